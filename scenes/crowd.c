@@ -84,7 +84,7 @@ static bb_status place_balls(const bb_crowd *crowd, const bb_motion *motion,
 
 /* ---- triangles ---- */
 
-/* About its centre: two random directions, and what balances them. */
+/* Makes a triangle around its centre: two random directions, and the one that balances them. */
 static float *put_triangle(const bb_crowd *crowd, const bb_motion *motion, uint32_t i,
                            const double centre[3], float *to)
 {

@@ -1,24 +1,25 @@
-/* Crowds: many equal small things, each of which moves as a whole and does not turn. */
+/* Crowds: many equal small objects, each of which moves as a whole without turning. */
 #ifndef BB_CROWD_H
 #define BB_CROWD_H
 
 #include "scenes/motion.h"
 
 typedef struct bb_crowd {
-    uint32_t count;        /* of things */
-    uint32_t tessellation; /* 0: triangles, each turned at random; n: balls of 8 n^2 triangles */
+    uint32_t count;        /* number of objects */
+    uint32_t tessellation; /* 0: triangles, each with a random orientation; n: balls of 8 n^2
+                            * triangles */
     double radius;
 } bb_crowd;
 
-/* As many things as about `triangles` triangles make, at least one. */
+/* Returns a crowd with as many objects as make about `triangles` triangles, at least one. */
 bb_crowd bb_crowd_of(uint64_t triangles, uint32_t tessellation, double radius);
 
-/* Makes room for it in an empty scene, after which bb_crowd_place() may be called. BB_REFUSED as
- * bb_scene_reserve(). */
+/* Reserves room for it in an empty scene, after which bb_crowd_place() may be called. BB_REFUSED
+ * like bb_scene_reserve(). */
 bb_status bb_crowd_reserve(const bb_crowd *crowd, bb_scene *scene);
 
-/* Puts the things at their centres, count of them, no more than there is room for: rewrites
- * vertices, and sets the scene's numbers of vertices and triangles. */
+/* Puts the objects at their centres, `count` of them, at most as many as there is room for:
+ * rewrites vertices, and sets the scene's numbers of vertices and triangles. */
 bb_status bb_crowd_place(const bb_crowd *crowd, const bb_motion *motion, const double (*centres)[3],
                          bb_scene *scene);
 

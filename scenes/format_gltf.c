@@ -1,4 +1,4 @@
-/* glTF 2.0: what is read is in scenes/README.md, the reading in gltf*.cpp. */
+/* glTF 2.0: scenes/README.md lists what is read; gltf*.cpp read it. */
 #include "framework/scene/camera.h"
 #include "scenes/gltf.h"
 #include "scenes/motion.h"
@@ -19,7 +19,7 @@ static bb_status reserve(void *user, uint64_t vertex_count, uint64_t triangle_co
     return BB_OK;
 }
 
-/* Those that no picture can be made of are left out. */
+/* Leaves out views that no picture can be made of. */
 static void add_view(void *user, const char *name, const bb_view *view)
 {
     bb_camera camera;

@@ -1,5 +1,5 @@
 /* Gmsh's .msh (2.2 and 4.1, ASCII and binary), MEDIT's .mesh and VTK's .vtk, by Gmsh's own library
- * in a process beside (gmsh/gmsh_reader.c). */
+ * in a separate process (gmsh/gmsh_reader.c). */
 #include "framework/base/beside.h"
 #include "framework/base/clock.h"
 #include "framework/base/file.h"
@@ -23,7 +23,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { SECONDS = 600 }; /* a file that takes Gmsh longer is one on which it hangs */
+enum { SECONDS = 600 }; /* if Gmsh takes longer it hangs on the file */
 
 typedef struct reader {
     const char *path;
@@ -33,15 +33,15 @@ typedef struct reader {
     double until; /* ms */
 } reader;
 
-/* ---- what Gmsh is shown ---- */
+/* ---- the file that Gmsh is given ---- */
 
 static bool has(const char *text, size_t size, const char *word)
 {
     return memmem(text, size, word, strlen(word)) != NULL;
 }
 
-/* What the file is by its first bytes. Gmsh runs files of an unknown kind as scripts, which may
- * call a shell: so it gets none but these. */
+/* Returns the file's type by its first bytes. Gmsh runs files of unknown types as scripts, which
+ * may call a shell, so it only gets these types. */
 static const char *ending_of(const char *text, size_t size)
 {
     if (size > 11 && memcmp(text, "$MeshFormat", 11) == 0)
@@ -51,8 +51,8 @@ static const char *ending_of(const char *text, size_t size)
     return has(text, size, "MeshVersionFormatted") ? ".mesh" : NULL;
 }
 
-/* A link of our own in a folder of our own: Gmsh goes by the ending's letters, and reads options,
- * which are scripts, from a file beside. */
+/* Makes a link of our own in a folder of our own: Gmsh goes by the ending, and reads options, which
+ * are scripts, from a file beside it. */
 static bb_status make_link(reader *r)
 {
     char start[4096], whole[PATH_MAX];
@@ -97,7 +97,7 @@ static void remove_link(const reader *r)
 
 enum { NOT_STARTED = 127 };
 
-/* Only calls that are safe between fork and exec. */
+/* Only makes calls that are safe between fork and exec. */
 static void be_reader(const char *program, const char *path, int pipe, rlim_t memory)
 {
     char *const arguments[] = {(char *)(uintptr_t)program, (char *)(uintptr_t)path, NULL};
@@ -112,14 +112,14 @@ static void be_reader(const char *program, const char *path, int pipe, rlim_t me
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     setrlimit(RLIMIT_CPU, &time);
 #ifdef __SANITIZE_ADDRESS__
-    (void)memory; /* the sanitizer's shadow, terabytes that are never touched, would count */
+    (void)memory; /* the sanitizer's shadow memory, terabytes that are never touched, would count */
 #else
     const struct rlimit room = {memory, memory};
     setrlimit(RLIMIT_DATA, &room);
 #endif
     setrlimit(RLIMIT_CORE, &none);
-    setrlimit(RLIMIT_FSIZE, &none); /* of files, not of pipes */
-    signal(SIGXFSZ, SIG_IGN);       /* what Gmsh would like to write fails */
+    setrlimit(RLIMIT_FSIZE, &none); /* limits files, not pipes */
+    signal(SIGXFSZ, SIG_IGN);       /* makes attempts of Gmsh to write a file fail */
     int out = fcntl(pipe, F_DUPFD_CLOEXEC, 3), nowhere = open("/dev/null", O_RDWR | O_CLOEXEC);
     if (out < 0 || nowhere < 0 || dup2(nowhere, STDIN_FILENO) < 0 ||
         dup2(nowhere, STDERR_FILENO) < 0 || dup2(out, STDOUT_FILENO) < 0)
@@ -173,7 +173,7 @@ static bool read_all(const reader *r, void *to, uint64_t bytes)
     return true;
 }
 
-/* After the data have ended early: why. */
+/* Reports why the data ended early. */
 static bb_status ended(const reader *r, int status)
 {
     if (bb_wall_ms() >= r->until)
@@ -236,7 +236,7 @@ static bb_status load_link(reader *r, bb_scene *scene)
     bb_status taken = take(r, scene, &early);
     close(r->pipe);
     if (taken != BB_OK && (!early || bb_wall_ms() >= r->until))
-        kill(r->process, SIGKILL); /* which would write on, or hangs */
+        kill(r->process, SIGKILL); /* it might write on, or hang */
     while (waitpid(r->process, &status, 0) < 0 && errno == EINTR)
         continue;
     return early ? ended(r, status) : taken;

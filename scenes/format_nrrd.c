@@ -1,8 +1,8 @@
-/* NRRD, by teem: three axes of numbers. Values of 8 and 16 bits without a sign stay as they are;
- * all others are brought linearly from their range to 16 bits.
+/* NRRD, by teem: three axes of numbers. Unsigned values of 8 and 16 bits are kept; all others are
+ * mapped linearly from their range to 16 bits.
  *
- * teem reads what a header says it should, wherever that is, and however much: so the header is
- * read first, and what it asks for is checked. */
+ * teem reads whatever a header asks for, from anywhere, and of any size. So the header is read
+ * first, and its requests are checked. */
 #include "framework/base/file.h"
 #include "framework/base/memory.h"
 #include "scenes/volume_scene.h"
@@ -19,7 +19,7 @@ enum { HEADER_MAX = 1 << 16 };
 
 static const bb_option options_table[] = {BB_VOLUME_OPTIONS, {0}};
 
-/* teem's own message, its lines joined. */
+/* Fails with teem's own message, its lines joined. */
 static bb_status refuse(const char *path)
 {
     char *message = biffGetDone(NRRD), text[384] = "";
@@ -37,7 +37,7 @@ static bb_status refuse(const char *path)
     return bb_fail(BB_INVALID, "%s: teem does not read it: %s", path, text);
 }
 
-/* Data may lie in one other file, of this folder or below it. */
+/* Data may be in one other file, in this folder or below it. */
 static bb_status check_data_file(const char *path, const char *name)
 {
     char beside[PATH_MAX];
@@ -58,16 +58,16 @@ static bb_status check_data_file(const char *path, const char *name)
     return BB_OK;
 }
 
-/* The lines of the header, up to an empty one, or as far as a header goes: teem opens what a `data
- * file` names as it reads. */
+/* Checks the lines of the header, up to an empty one, or to the longest header: teem opens the file
+ * that `data file` names while reading. */
 static bb_status check_lines(const char *path, char *header, bool whole)
 {
     char *rest = header;
-    if (strncmp(header, "NRRD000", 7) != 0) /* teem takes other formats too */
+    if (strncmp(header, "NRRD000", 7) != 0) /* teem accepts other formats too */
         return bb_fail(BB_INVALID, "%s: is no NRRD file: it does not begin with 'NRRD000'", path);
     for (char *line = strsep(&rest, "\n"); line != NULL; line = strsep(&rest, "\n")) {
         size_t length = strcspn(line, "\r");
-        if (line[length] != '\0' && line[length + 1] != '\0') /* for teem that ends a line, too */
+        if (line[length] != '\0' && line[length + 1] != '\0') /* teem ends a line there, too */
             return bb_fail(BB_INVALID, "%s: has a carriage return inside a line of its header",
                            path);
         line[length] = '\0';
@@ -96,7 +96,7 @@ static bb_status check_files(const char *path)
     bb_input_close(&input);
     if (status == BB_OK) {
         for (size_t i = 0; i < size; i++)
-            header[i] = header[i] != '\0' ? header[i] : ' '; /* which ends no line */
+            header[i] = header[i] != '\0' ? header[i] : ' '; /* a space does not end a line */
         header[size] = '\0';
         status = check_lines(path, header, size < HEADER_MAX);
     }
@@ -104,7 +104,7 @@ static bb_status check_files(const char *path)
     return status;
 }
 
-/* The most bytes of values that one byte of a file can stand for; 0: any number. */
+/* Returns the most bytes of values that one byte of a file can stand for; 0: unlimited. */
 static double most_per_byte(const NrrdIoState *io, size_t element)
 {
     if (io->encoding == nrrdEncodingRaw)
@@ -113,10 +113,10 @@ static double most_per_byte(const NrrdIoState *io, size_t element)
         return 1100; /* deflate: two bits for 258 bytes */
     if (io->encoding == nrrdEncodingBzip2)
         return 0;
-    return (double)element; /* text: at least a digit for each */
+    return (double)element; /* text: at least one digit each */
 }
 
-/* A short file that claims much is refused before there is room made for that. */
+/* Refuses a short file that claims many values before room is made for them. */
 static bb_status check_length(const char *path, const NrrdIoState *io, size_t element, double bytes)
 {
     bb_input input;
@@ -181,7 +181,7 @@ static bb_status rescale(const char *path, const Nrrd *nrrd, uint16_t *to)
         lo = fmin(lo, value);
         hi = fmax(hi, value);
     }
-    double half = hi / 2 - lo / 2; /* their difference may be more than a double holds */
+    double half = hi / 2 - lo / 2; /* the difference may exceed the range of doubles */
     for (size_t i = 0; i < count; i++)
         to[i] = half > 0 ? (uint16_t)lround((at(nrrd->data, i) / 2 - lo / 2) / half * 65535) : 0;
     return BB_OK;

@@ -1,6 +1,6 @@
-/* Wavefront OBJ: what is read is in scenes/README.md. tinyobjloader takes the lines apart; it gets
- * vertices and faces alone, whose words are checked before, since it takes what is no number for 0
- * and says nothing. Polygons become fans, and indices the scene's, here. */
+/* Wavefront OBJ: scenes/README.md lists what is read. tinyobjloader parses the lines. It gets only
+ * vertices and faces, after their words have been checked, since it silently reads invalid numbers
+ * as 0. Polygons become fans, and indices the scene's, here. */
 #include "framework/scene/scene.h"
 
 extern "C" {
@@ -23,7 +23,7 @@ extern "C" {
 
 namespace
 {
-/* Thrown after bb_fail() has the message; caught at the C door. */
+/* Thrown after bb_fail() has the message; caught at the C interface. */
 struct Failure {
     bb_status status;
 };
@@ -43,7 +43,7 @@ struct Failure {
 
 /* ---- words ---- */
 
-/* As tinyobjloader wants it: [sign] digits [. digits] [e [sign] digits], or [sign] . digits. */
+/* As tinyobjloader expects: [sign] digits [. digits] [e [sign] digits], or [sign] . digits. */
 bool is_number(std::string_view word)
 {
     size_t at = 0;
@@ -72,7 +72,7 @@ bool is_number(std::string_view word)
     return at == word.size();
 }
 
-/* v, v/vt, v//vn or v/vt/vn; only v matters. */
+/* v, v/vt, v//vn or v/vt/vn; only v is used. */
 bool is_corner(std::string_view word)
 {
     const size_t end = std::min(word.find('/'), word.size());
@@ -83,7 +83,7 @@ bool is_corner(std::string_view word)
            word.find_first_not_of("0123456789+-/", end) == std::string_view::npos;
 }
 
-/* For messages: the first of it, in ASCII, in whatever encoding it is. */
+/* Returns the beginning of a word for messages, as ASCII, whatever its encoding. */
 std::string quote(std::string_view word)
 {
     std::string text(word.substr(0, 40));
@@ -95,7 +95,7 @@ std::string quote(std::string_view word)
 
 /* ---- lines ---- */
 
-/* The stream that tinyobjloader reads: of the file, line by line, vertices and faces. */
+/* The stream that tinyobjloader reads: the file's vertices and faces, line by line. */
 class Lines : public std::streambuf
 {
   public:
@@ -112,7 +112,7 @@ class Lines : public std::streambuf
     Lines(const Lines &) = delete;
     Lines &operator=(const Lines &) = delete;
 
-    /* The one that was read last; a continued one counts as its last. */
+    /* Number of the line that was read last; a continued line has the number of its last part. */
     uint64_t number() const
     {
         return number_;
@@ -152,7 +152,7 @@ class Lines : public std::streambuf
     bool after_return_ = false; /* a line feed that follows is the same end of line */
 };
 
-/* -1 at the end. */
+/* Returns -1 at the end. */
 int Lines::next_byte()
 {
     if (at_ == end_) {
@@ -167,7 +167,8 @@ int Lines::next_byte()
     return static_cast<unsigned char>(block_[at_++]);
 }
 
-/* Any end of line, with what a backslash before it continues; false at the end of the file. */
+/* Reads a line with any line ending, joined with the lines that a backslash continues; returns
+ * false at the end of the file. */
 bool Lines::read_line()
 {
     line_.clear();
@@ -194,7 +195,7 @@ bool Lines::read_line()
     }
 }
 
-/* Of the first `most`; returns how many there are. */
+/* Checks the first `most` words; returns their number. */
 size_t Lines::check_words(std::string_view words, bool (*good)(std::string_view), const char *what,
                           size_t most) const
 {
@@ -213,7 +214,7 @@ size_t Lines::check_words(std::string_view words, bool (*good)(std::string_view)
     return count;
 }
 
-/* Checks the line; without its comment. */
+/* Checks the line, without its comment. */
 bool Lines::is_wanted()
 {
     if (number_ == 1 && line_.compare(0, 3, "\xef\xbb\xbf") == 0)
@@ -246,8 +247,8 @@ struct Mesh {
     std::vector<float> vertices;
     std::vector<uint32_t> triangles;
     uint64_t ignored = 0;          /* faces of fewer than three corners */
-    int64_t highest = 0;           /* index, from 1, that a face names */
-    unsigned long long where = 0;  /* its line */
+    int64_t highest = 0;           /* highest index, from 1, that a face names */
+    unsigned long long where = 0;  /* line of that index */
     std::vector<uint32_t> corners; /* of the current face */
 
     unsigned long long line() const
@@ -280,7 +281,7 @@ void Mesh::add_vertex(const float (&position)[3])
     check_size();
 }
 
-/* Indices count from 1, or back from the vertex before the face, which is -1. */
+/* Indices count from 1, or back from the last vertex before the face, which is -1. */
 void Mesh::add_face(const tinyobj::index_t *indices, int count)
 {
     corners.clear();
@@ -318,7 +319,7 @@ void take_face(void *user, tinyobj::index_t *indices, int count)
 void read_mesh(Lines &lines, Mesh &mesh)
 {
     std::istream stream(&lines);
-    stream.exceptions(std::ios::badbit); /* lets those of Lines through */
+    stream.exceptions(std::ios::badbit); /* passes on the exceptions of Lines */
     tinyobj::callback_t callbacks;
     callbacks.vertex_cb = take_vertex;
     callbacks.index_cb = take_face;

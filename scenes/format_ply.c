@@ -1,6 +1,6 @@
-/* PLY (Turk's polygon file format), ASCII and binary of both byte orders: what is read is in
- * scenes/README.md, and why no library does it. The rows are walked through twice: to check and
- * count, then to fill the scene. */
+/* PLY (Turk's polygon file format), ASCII and binary of both byte orders: scenes/README.md lists
+ * what is read, and why no library is used. The rows are read twice: to check and count, then to
+ * fill the scene. */
 #include "framework/base/file.h"
 #include "framework/base/memory.h"
 #include "framework/scene/scene.h"
@@ -15,7 +15,7 @@
 
 /* ---- numbers ---- */
 
-/* Where the walk is, for messages. */
+/* Describes the current position for messages. */
 static const char *place(const ply *ply, char text[64])
 {
     if (ply->encoding == PLY_ASCII)
@@ -64,7 +64,7 @@ static bool is_space(char c)
     return c == ' ' || c == '\t' || c == '\r';
 }
 
-/* A word of the current line. */
+/* Reads a word of the current line. */
 static bb_status read_word(ply *ply, const ply_type *type, double *out)
 {
     char text[64], *end = NULL;
@@ -84,7 +84,7 @@ static bb_status read_word(ply *ply, const ply_type *type, double *out)
     if (good && type->is_whole)
         good = *out < bound && *out >= (type->is_signed ? -bound : 0) && *out == floor(*out);
     for (const char *c = word; good && c < ply->at; c++)
-        good = tolower((unsigned char)*c) != 'x'; /* strtod() takes hexadecimal */
+        good = tolower((unsigned char)*c) != 'x'; /* strtod() accepts hexadecimal */
     if (good)
         return BB_OK;
     char quoted[41];
@@ -177,7 +177,7 @@ static bb_status read_row(ply *ply, uint64_t vertices)
     return end_row(ply);
 }
 
-/* Rounded once. */
+/* Rounds once. */
 static bb_status take_vertex(const ply *ply, bb_scene *scene)
 {
     char text[64];
@@ -206,7 +206,7 @@ static void take_face(ply *ply, bb_scene *scene)
     }
 }
 
-/* ---- the walk ---- */
+/* ---- reading the rows ---- */
 
 static bb_status walk_element(ply *ply, uint64_t vertices, bb_scene *scene)
 {
@@ -229,7 +229,7 @@ static bb_status walk_element(ply *ply, uint64_t vertices, bb_scene *scene)
     return BB_OK;
 }
 
-/* Checks and counts; fills the scene if there is one. */
+/* Checks and counts; fills the scene if it is not NULL. */
 static bb_status walk(ply *ply, bb_scene *scene)
 {
     uint64_t vertices = bb_ply_find(ply, "vertex")->rows;

@@ -1,5 +1,5 @@
-/* Raw volumes: values and nothing besides, x fastest; plain, or compressed by zstd. Dimensions and
- * type are options behind the name, or the name itself ends in them: NAME_WxHxD_TYPE.raw. */
+/* Raw volumes: only values, x fastest; plain, or compressed by zstd. Dimensions and type are
+ * options after the name, or the name itself ends in them: NAME_WxHxD_TYPE.raw. */
 #include "framework/base/number.h"
 #include "scenes/volume_scene.h"
 #include "scenes/voxel_file.h"
@@ -17,7 +17,7 @@ static const bb_option options_table[] = {
     {0},
 };
 
-/* NAME_WxHxD_TYPE.raw: its last two parts. */
+/* Splits NAME_WxHxD_TYPE.raw into its last two parts. */
 static bool split_name(const char *path, char dims[40], char type[16])
 {
     const char *slash = strrchr(path, '/'), *name = slash != NULL ? slash + 1 : path;

@@ -1,7 +1,7 @@
-/* TetGen's .node and .ele: vertices and tetrahedra in two files of one name, of which either may be
- * given. The first attribute of the vertices, if there is one, is the scalar field; boundary
- * markers, regions, and the nodes of edges that tetrahedra of 10 nodes have are left out. Si 2015
- * ("TetGen, a Delaunay-Based Quality Tetrahedral Mesh Generator"), manual, section 5.
+/* TetGen's .node and .ele: vertices and tetrahedra in two files of one name, either of which may be
+ * given. The first attribute of the vertices, if there is one, is the scalar field. Boundary
+ * markers, regions, and the nodes on edges of tetrahedra of 10 nodes are ignored. Si 2015 ("TetGen,
+ * a Delaunay-Based Quality Tetrahedral Mesh Generator"), manual, section 5.
  */
 #include "framework/base/memory.h"
 #include "framework/scene/tets.h"
@@ -22,7 +22,7 @@ typedef struct tetgen {
     uint64_t first; /* number of the first vertex: 0 or 1 */
 } tetgen;
 
-/* FILE.ele.zst has FILE.node.zst beside it, and the other way round; FILE.ELE FILE.NODE. */
+/* Finds FILE.node.zst for FILE.ele.zst, and the other way round; FILE.NODE for FILE.ELE. */
 static bb_status find_both(const char *path, tetgen *t)
 {
     static const char *const endings[] = {".node", ".ele", ".node.zst", ".ele.zst"};
@@ -107,7 +107,8 @@ static bb_status read_both(tetgen *t, bb_scene *scene)
 {
     float *field = NULL;
     BB_TRY(read_heads(t));
-    /* a number and a separator each: what the files are too short for needs no memory */
+    /* a number and a separator each: files that are too short are refused before memory is
+     * reserved */
     uint64_t least = 2 * 4 * t->vertices, has = (uint64_t)(t->nodes.end - t->nodes.text);
     if (has < least)
         return bb_fail(BB_INVALID, "%s: has %llu bytes, too few for %llu vertices", t->nodes.path,

@@ -1,6 +1,6 @@
 /* MagicaVoxel: one of the file's models, without the scene graph and materials that later versions
- * add. A voxel's value is its place in the palette, 1 to 255; 0 is empty. One empty voxel is put
- * around, so that bodies are closed.
+ * add. A voxel's value is its index in the palette, 1 to 255; 0 is empty. A layer of empty voxels
+ * is added around the model, so that bodies are closed.
  *
  * Format: ephtracy, voxel-model, MagicaVoxel-file-format-vox.txt. No library in Debian reads it. */
 #include "framework/base/file.h"
@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SIDE_MAX = 256, HEADER = 12 }; /* places are bytes */
+enum { SIDE_MAX = 256, HEADER = 12 }; /* positions are bytes */
 
 static const bb_option options_table[] = {
     {"model", "1", NULL, "which of the file's models, from 1"},
@@ -19,7 +19,7 @@ static const bb_option options_table[] = {
     {0},
 };
 
-/* What is left to read of a file. */
+/* The rest of a file. */
 typedef struct cursor {
     const char *path;
     const unsigned char *at, *end;
@@ -59,7 +59,7 @@ static bb_status read_chunk(cursor *c, chunk *chunk)
     return BB_OK;
 }
 
-/* The two chunks of model `number`, which come one after the other. */
+/* Finds the two chunks of model `number`, which follow each other. */
 static bb_status find_model(cursor *c, uint64_t number, chunk *size, chunk *voxels)
 {
     uint64_t models = 0;
@@ -105,7 +105,7 @@ static bb_status check_model(const char *path, const chunk *size, const chunk *v
     return BB_OK;
 }
 
-/* z is up in the file and y here: (x, y, z) goes to (x, z, -y). */
+/* z is up in the file and y here: (x, y, z) becomes (x, z, -y). */
 static bb_status fill(const char *path, const chunk *chunk, const uint32_t dims[3],
                       const bb_voxels *voxels)
 {

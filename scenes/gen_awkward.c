@@ -1,4 +1,4 @@
-/* Triangles that methods stumble over, one kind at a time. */
+/* Triangles that are difficult for builders, one kind of difficulty at a time. */
 #include "framework/base/random.h"
 #include "framework/scene/scene.h"
 #include "scenes/repeatable.h"
@@ -18,12 +18,12 @@ static const bb_option options_table[] = {
 
 typedef struct maker {
     bb_random random;
-    double size; /* of a triangle, so that they fill their box about once */
+    double size; /* size of a triangle, such that all fill their box about once */
     double far;
     uint32_t n;
 } maker;
 
-/* Corners in a small cube somewhere in the unit cube. */
+/* Puts the corners in a small cube somewhere in the unit cube. */
 static void put_somewhere(maker *m, float corners[9])
 {
     double at[3];
@@ -33,8 +33,8 @@ static void put_somewhere(maker *m, float corners[9])
         corners[i] = (float)(at[i % 3] + bb_random_range(&m->random, -m->size, m->size));
 }
 
-/* A box of any size around the origin, touched by the corners on all sides: its centroid is 0 to
- * the last bit. */
+/* Puts a box of any size around the origin, touched by the corners on all sides: its centroid is
+ * exactly 0. */
 static void put_around_origin(maker *m, float corners[9])
 {
     float half[3];
@@ -49,7 +49,7 @@ static void put_around_origin(maker *m, float corners[9])
     }
 }
 
-/* Some corners are at 0 and some at -0. Nothing is below 0 on x or above it on y, so that boxes of
+/* Puts some corners at 0 and some at -0. Nothing is below 0 on x or above it on y, so that boxes of
  * whole subtrees end at zeros of both signs; z goes both ways. */
 static void put_at_zeros(maker *m, float corners[9])
 {
@@ -57,7 +57,7 @@ static void put_at_zeros(maker *m, float corners[9])
     uint32_t flat = bb_random_below(&m->random, 4); /* axis; 3: none */
     for (uint32_t axis = 0; axis < 3; axis++) {
         bool below = axis == 1 || (axis == 2 && bb_random_below(&m->random, 2) != 0);
-        uint32_t zeros = axis == flat ? 3 : bb_random_below(&m->random, 3); /* corners */
+        uint32_t zeros = axis == flat ? 3 : bb_random_below(&m->random, 3); /* number of corners */
         for (uint32_t i = 0; i < 3; i++) {
             float *to = &corners[3 * i + axis];
             float size = i < zeros ? 0 : fabsf(*to);

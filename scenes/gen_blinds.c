@@ -1,7 +1,7 @@
 /* Layers of pleated blinds, one behind the other. The slats are long and tilt forwards and
- * backwards in turn; layers are shifted up against each other. Closed, the slats of a layer meet
- * edge to edge. Open, each slat is narrower, and rays pass to the layers behind. Unlike boards,
- * neighbours do not lie in one plane, and their boxes overlap. */
+ * backwards in turn; layers are shifted up relative to each other. Closed, the slats of a layer
+ * meet edge to edge. Open, each slat is narrower, and rays pass to the layers behind. Unlike
+ * boards, neighbours are not in one plane, and their boxes overlap. */
 #include "scenes/shapes.h"
 
 static const bb_option options_table[] = {
@@ -39,7 +39,7 @@ static bb_status read_blinds(const bb_spec *spec, const bb_option *options, blin
     return BB_OK;
 }
 
-/* Edge i of a layer in x and y: the same numbers for the slats on both of its sides. */
+/* Returns edge i of a layer in x and y: the same numbers for the slats on both of its sides. */
 static void find_edge(const blinds *blinds, uint64_t layer, uint64_t i, double at[2])
 {
     double depth = blinds->tilt * blinds->width;
@@ -55,7 +55,7 @@ static void put_slat(const blinds *blinds, uint64_t layer, uint64_t i, bb_shape_
     find_edge(blinds, layer, i, low);
     find_edge(blinds, layer, i + 1, high);
     for (int k = 0; k < 2; k++) {
-        double cut = 0.5 * blinds->open * (high[k] - low[k]); /* 0: the edges themselves */
+        double cut = 0.5 * blinds->open * (high[k] - low[k]); /* 0: exactly the edges */
         low[k] += cut;
         high[k] -= cut;
     }

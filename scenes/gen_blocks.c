@@ -1,7 +1,7 @@
-/* A heap of axis-aligned boxes, as voxel worlds and bricks of volumes are: cells of a grid, of
- * which half are filled by a box that shares its faces with its neighbours, bit for bit; others
- * hold a plate without thickness, a rod, a small box or nothing. `mixed` puts spheres, octahedra
- * and tetrahedra into some of the empty ones, so that all kinds of primitives lie in one tree.
+/* A heap of axis-aligned boxes, as in voxel worlds and bricks of volumes. Half of the cells of a
+ * grid are filled by a box that shares its faces with its neighbours, bit for bit; the others have
+ * a plate without thickness, a rod, a small box or nothing. `mixed` puts spheres, octahedra and
+ * tetrahedra into some of the empty cells, so that all kinds of primitives are in one tree.
  */
 #include "framework/base/random.h"
 #include "scenes/shapes.h"
@@ -17,7 +17,7 @@ static const bb_option options_table[] = {
     {0},
 };
 
-/* What is in a cell, and the axis it lies along. */
+/* Chooses the content of a cell, and the axis along which it lies. */
 static cell choose(uint64_t seed, uint64_t number, bool mixed, uint32_t *axis)
 {
     static const cell cells[] = {FULL,  FULL, FULL,  FULL, FULL, FULL, FULL,  FULL,
@@ -49,7 +49,7 @@ static void put_box(cell chosen, uint32_t axis, const double corner[3], float to
     }
 }
 
-/* A corner of the cell, cut off. */
+/* Puts a tetrahedron: a corner cut off the cell. */
 static void put_tet(bb_shape_cursor *cursor, uint32_t axis, const double corner[3], uint32_t to[4])
 {
     for (uint32_t c = 0; c < 4; c++) {

@@ -1,7 +1,7 @@
-/* A wall of long boards, seen along. Each board reaches much farther along the ray's dominant axis
- * than the hit is away. The rounding of a triangle test that shears its vertices then exceeds the
- * padding of a box test that looks at each axis alone, and a ray near an edge is lost: the box of
- * one board is culled, the triangle of the other is missed. */
+/* A wall of long boards, seen along. Each board extends much farther along the ray's dominant axis
+ * than the distance of the hit. The rounding of a triangle test that shears its vertices then
+ * exceeds the padding of a box test that handles each axis separately, and a ray near an edge is
+ * lost: the box of one board is culled, the triangle of the other is missed. */
 #include "scenes/shapes.h"
 
 static const bb_option options_table[] = {

@@ -1,6 +1,6 @@
-/* A room that stays, and a few small things that drive around in it: most of the scene is still.
- * After the kitchen with a toy car of the BART benchmark (Lext, Assarsson, Moller 2001), by which
- * Eisemann, Grosch, Mueller, Magnor 2007 measure. */
+/* A static room in which a few small objects drive around: most of the scene does not move.
+ * Modelled after the kitchen with a toy car of the BART benchmark (Lext, Assarsson, Moller 2001),
+ * which Eisemann, Grosch, Mueller, Magnor 2007 use. */
 #include "scenes/crowd.h"
 #include "scenes/repeatable.h"
 #include "scenes/shapes.h"
@@ -16,7 +16,7 @@ static const bb_option options_table[] = {
 
 enum { TESSELLATION = 3 };
 
-/* On a circle about the middle of the room's box, as large as a third of it. */
+/* Moves them on a circle around the middle of the room's box, a third of its size. */
 static bb_status drive(const bb_motion *motion, uint32_t things, bb_scene *scene)
 {
     static const double turn = 6.28318530717958647693;
@@ -66,7 +66,7 @@ static bb_status set_frame(const bb_spec *spec, const bb_option *options, bb_sce
     return drive(&motion, (uint32_t)things, scene);
 }
 
-/* Room and things in one scene. */
+/* Joins room and objects in one scene. */
 static bb_status join(const bb_scene *room, uint32_t things, bb_scene *scene)
 {
     bb_crowd crowd = {things, TESSELLATION, 1};

@@ -1,6 +1,6 @@
 /* A large flat city: streets and pavements of triangles as long as the city or a block, houses and
  * towers of very different heights, walls that are one quad or a grid of windows, and trees, lamps
- * and cars in the streets. Many more cells of a regular code lie above each other than beside each
+ * and cars in the streets. Many more cells of a regular code are above each other than beside each
  * other in it, and large triangles touch small ones everywhere.
  */
 #include "framework/base/random.h"
@@ -16,11 +16,11 @@ static const bb_option options_table[] = {
     {0},
 };
 
-/* Metres. A block is a square of LOTS * LOTS lots, streets on all its sides. */
+/* In metres. A block is a square of LOTS * LOTS lots, with streets on all sides. */
 static const double block = 80, street = 18, pavement = 3, kerb = 0.15, storey = 3.2;
 enum { LOTS = 3, TRIANGLES_PER_BLOCK = 2000, BLOCKS_LEAST = 2, CORRECTIONS = 3 };
 
-/* What is written, or only counted as long as `mesh.vertices` is NULL. */
+/* The output; only counted while `mesh.vertices` is NULL. */
 typedef struct city {
     bb_shape_cursor mesh;
     uint32_t blocks; /* per side */
@@ -53,8 +53,8 @@ static void put_ball(city *c, double x, double y, double z, double radius, uint3
     c->mesh.triangle_count += (uint32_t)bb_shape_sphere_triangles(cuts);
 }
 
-/* A parallelogram from `at` along u and v, cut into columns * rows quads; seen from the side that u
- * x v points to. */
+/* Puts a parallelogram from `at` along u and v, divided into columns * rows quads; its front is on
+ * the side that u x v points to. */
 static void put_grid(city *c, const double at[3], const double u[3], const double v[3],
                      uint32_t columns, uint32_t rows)
 {
@@ -89,7 +89,7 @@ typedef struct plan {
     double x, y, z, dx, dy, dz; /* footprint's corner, sides, height */
 } plan;
 
-/* Four walls and a roof; each wall of so many quads. */
+/* Puts four walls and a roof; each wall has the given numbers of quads. */
 static void put_hull(city *c, const plan *p, uint32_t along_x, uint32_t along_z, uint32_t rows)
 {
     const double up[3] = {0, p->dy, 0};
@@ -113,7 +113,7 @@ static uint32_t bays(double length, double width)
     return count < 1 ? 1 : (uint32_t)count;
 }
 
-/* Window panes stand out of the wall as thin boxes, or the wall itself is a grid, or it is one
+/* Window panes are thin boxes in front of the wall, or the wall itself is a grid, or it is one
  * quad. */
 static void put_house(city *c, bb_random *random, const plan *p, uint32_t fineness)
 {
@@ -136,7 +136,7 @@ static void put_house(city *c, bb_random *random, const plan *p, uint32_t finene
     }
 }
 
-/* Set back twice on its way up. */
+/* Puts a tower that is set back twice on its way up. */
 static void put_tower(city *c, bb_random *random, plan p, double height)
 {
     static const double shares[] = {0.55, 0.3, 0.15};
@@ -151,7 +151,7 @@ static void put_tower(city *c, bb_random *random, plan p, double height)
     }
 }
 
-/* 1 in the middle of the city, 0 at its corners and beyond. */
+/* Returns 1 in the middle of the city, 0 at its corners and beyond. */
 static double centrality(const city *c, double x, double z)
 {
     double u = 2 * x / c->side - 1, v = 2 * z / c->side - 1;
@@ -174,7 +174,7 @@ static void put_lot(city *c, bb_random *random, double x, double z, double size)
     }
     double gap = bb_random_range(random, 1, 4);
     plan p = {x + gap, kerb, z + gap, size - 2 * gap, 0, size - 2 * gap};
-    /* few are high: the cube of a uniform number, and most of them stand in the middle */
+    /* few are high: the cube of a uniform number, and most of these are in the middle */
     double share = bb_random_unit(random), least = 2 * storey;
     double height = least + (c->tallest - kerb - least) * share * share * share * middle;
     if (height > 12 * storey) {
@@ -195,7 +195,7 @@ static void put_car(city *c, bb_random *random, double x, double z, bool along_x
     put_box(c, x + 0.2 * dx, 0.81, z + 0.2 * dz, 0.6 * dx, 0.5, 0.6 * dz);
 }
 
-/* Lamps and trees along two sides of a block, cars in the streets beside them. */
+/* Puts lamps and trees along two sides of a block, and cars in the streets beside them. */
 static void put_furniture(city *c, bb_random *random, double x, double z)
 {
     enum { PLACES = 6 };
@@ -228,7 +228,7 @@ static void put_block(city *c, uint32_t i, uint32_t j)
     put_furniture(c, &random, x, z);
 }
 
-/* The roads lie as wide strips across the whole city, one way over the other. */
+/* Puts the roads: wide strips across the whole city, one direction over the other. */
 static void put_roads(city *c)
 {
     for (uint32_t i = 0; i <= c->blocks; i++) {
@@ -280,8 +280,7 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
     BB_TRY(bb_spec_double(spec, options, "flatness", 0.005, 1, &flatness));
     BB_TRY(bb_spec_u64(spec, options, "seed", 0, UINT64_MAX, &seed));
     city c = {.seed = seed};
-    /* higher towers have more windows, so that a block's triangles depend on the number of
-     * blocks */
+    /* higher towers have more windows, so a block's triangles depend on the number of blocks */
     double blocks = sqrt((double)n / TRIANGLES_PER_BLOCK);
     for (int i = 0; i <= CORRECTIONS; i++) {
         count_city(&c, flatness, blocks);

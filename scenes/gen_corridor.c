@@ -1,6 +1,6 @@
-/* A long closed tube, seen from inside: four walls cut lengthwise into strips, and a fan of
- * triangles at each end. Strips reach much farther than most hits are away (see gen_boards.c), and
- * in a closed mesh every miss is known to be wrong. */
+/* A long closed tube, seen from inside: four walls divided lengthwise into strips, and a fan of
+ * triangles at each end. Strips extend much farther than the distance of most hits (see
+ * gen_boards.c), and in a closed mesh every miss is known to be wrong. */
 #include "scenes/shapes.h"
 
 static const bb_option options_table[] = {
@@ -19,7 +19,8 @@ typedef struct tube {
     uint32_t strips;
 } tube;
 
-/* Point k of the tube's section at z: 4 * strips of them, counter-clockwise seen from +z. */
+/* Puts the points of the tube's section at z: 4 * strips of them, counter-clockwise seen from
+ * +z. */
 static void put_section(const tube *tube, double z, bb_shape_cursor *cursor)
 {
     static const double corners[5][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}, {-1, -1}};

@@ -1,7 +1,7 @@
-/* Crowds in motion, each after the rule of its kind. What a refitted tree makes of them is very
- * different: rigid things that keep apart, shards of a blast, what falls from a plane, particles
- * that mix, places that are exchanged, clouds that pass through each other, all at the origin at
- * first, more and more, or none that moves.
+/* Crowds in motion, each by the rule of its kind. A refitted tree fares very differently with them:
+ * rigid objects that keep apart, shards of an explosion, objects falling from a plane, mixing
+ * particles, exchanged places, clouds that pass through each other, everything at the origin at
+ * first, more and more objects, or none that moves.
  *
  * All are about one unit large (flow: 2 pi). */
 #include "scenes/crowd.h"
@@ -21,25 +21,25 @@ static const bb_option options_table[] = {
 
 typedef struct bb_crowd_kind bb_crowd_kind;
 
-/* A crowd in its motion's frame. */
+/* A crowd at its motion's frame. */
 typedef struct state {
     const bb_crowd_kind *kind;
     bb_motion motion;
     bb_crowd crowd;
-    uint32_t least; /* things in frame 0 */
-    uint32_t first; /* of those that are there, which come and go in turn */
-    uint32_t part;  /* how many do so in each frame, or exchange places */
+    uint32_t least; /* number in frame 0 */
+    uint32_t first; /* first of the current ones, which come and go in turn */
+    uint32_t part;  /* number of those that come and go, or exchange places, in each frame */
 } state;
 
 struct bb_crowd_kind {
     const char *name;
     uint32_t frames; /* by default */
     uint32_t tessellation;
-    double fill; /* part of the unit cube that the things' own cubes take */
+    double fill; /* share of the unit cube that the objects' own cubes fill */
     void (*place)(const state *s, double (*centres)[3]);
 };
 
-/* The random numbers of thing i. */
+/* Returns the random numbers of object i. */
 static bb_random random_of(const state *s, uint32_t i)
 {
     return bb_random_make(s->motion.seed, i);
@@ -53,7 +53,7 @@ static void random_point(bb_random *random, double p[3])
 
 /* ---- one function per kind ---- */
 
-/* x, reflected until it lies between low and high. */
+/* Returns x, reflected until it is between low and high. */
 static double reflect(double x, double low, double high)
 {
     double period = 2 * (high - low), u = x - low;
@@ -87,7 +87,7 @@ static void place_explode(const state *s, double (*centres)[3])
     }
 }
 
-/* From a plane to the floor, each in its time. */
+/* Objects fall from a plane to the floor, each at its own time. */
 static void place_fall(const state *s, double (*centres)[3])
 {
     for (uint32_t i = 0; i < s->crowd.count; i++) {
@@ -102,10 +102,10 @@ static void place_fall(const state *s, double (*centres)[3])
     }
 }
 
-/* The ABC flow (Arnold, Beltrami, Childress), periodic: neighbours part, exponentially. */
+/* The ABC flow (Arnold, Beltrami, Childress), periodic: neighbours separate exponentially. */
 static void place_flow(const state *s, double (*centres)[3])
 {
-    enum { STEPS = 10 }; /* of a frame */
+    enum { STEPS = 10 }; /* per frame */
     static const double a = 1, b = 0.8, c = 0.6, step = 0.02, period = 6.28318530717958647693;
     for (uint32_t i = 0; i < s->crowd.count; i++) {
         bb_random random = random_of(s, i);
@@ -151,7 +151,7 @@ static void place_shuffle(const state *s, double (*centres)[3])
     }
 }
 
-/* Every other one goes the other way. */
+/* Every other object goes the other way. */
 static void place_cross(const state *s, double (*centres)[3])
 {
     place_still(s, centres);
@@ -177,7 +177,7 @@ static const bb_crowd_kind kinds[] = {
 
 /* ---- all kinds ---- */
 
-/* Things that come, and that go, with each frame. */
+/* Objects come and go with each frame. */
 static bb_status come_and_go(state *s)
 {
     if (strcmp(s->kind->name, "grow") != 0)
@@ -240,7 +240,7 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
     state s;
     BB_TRY(read_state(spec, options, 0, &s));
     bb_motion_declare(&s.motion, scene);
-    BB_TRY(read_state(spec, options, scene->frame_count - 1, &s)); /* where they are most */
+    BB_TRY(read_state(spec, options, scene->frame_count - 1, &s)); /* frame with the most objects */
     BB_TRY(bb_crowd_reserve(&s.crowd, scene));
     return set_frame(spec, options, scene, 0);
 }

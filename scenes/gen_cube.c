@@ -1,5 +1,5 @@
-/* The closed cube of 12 triangles from -1/2 to 1/2. Every coordinate is a power of two, so that its
- * tests can be solved by hand. */
+/* The closed cube of 12 triangles from -1/2 to 1/2. Every coordinate is a power of two, so that
+ * tests on it can be solved by hand. */
 #include "framework/scene/scene.h"
 #include "scenes/shapes.h"
 

@@ -1,6 +1,6 @@
-/* A huge ground with small things on it, in rows around the origin: balls, and stones, which are
- * closed meshes. A margin in proportion to the ground would hide all that stands on it, and edges
- * as long as the ground run beneath the things. */
+/* A huge ground with small objects on it, in rows around the origin: balls, and stones, which are
+ * closed meshes. A margin in proportion to the ground would hide everything on it, and edges as
+ * long as the ground run beneath the objects. */
 #include "framework/base/random.h"
 #include "scenes/shapes.h"
 
@@ -33,7 +33,7 @@ static void put_ground(double reach, uint32_t cuts, bb_shape_cursor *cursor)
         }
 }
 
-/* Balls and stones in random order, one per unit square, in rows whose middle is the origin. */
+/* Puts balls and stones in random order, one per unit square, in rows centred at the origin. */
 static void put_things(uint64_t balls, uint64_t stones, uint64_t seed,
                        const bb_placement *placement, bb_shape_cursor *cursor, bb_scene *scene)
 {
@@ -72,7 +72,7 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
     BB_TRY(bb_spec_u64(spec, options, "balls", 0, THINGS_MAX, &balls));
     BB_TRY(bb_spec_u64(spec, options, "stones", 0, THINGS_MAX, &stones));
     BB_TRY(bb_spec_u64(spec, options, "seed", 0, UINT64_MAX, &seed));
-    /* Otherwise the rounded corners of a turned ground would lift it above the things on it. */
+    /* Otherwise the rounded corners of a turned ground would lift it above the objects on it. */
     BB_TRY(bb_placement_check(&placement, spec, sqrt(2.0) * reach, ball_radius));
     const bb_prim_counts counts = {
         .of = {[BB_TRIANGLE] = 2 * cuts * cuts + stones * bb_shape_sphere_triangles(STONE_CUTS),

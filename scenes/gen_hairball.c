@@ -1,5 +1,5 @@
-/* Hairs that grow out of a ball and wander: ribbons of long thin triangles, each of which fills its
- * box badly. */
+/* Hairs that grow out of a ball in wandering paths: ribbons of long thin triangles, each of which
+ * fills its box badly. */
 #include "framework/base/random.h"
 #include "framework/scene/scene.h"
 
@@ -14,7 +14,8 @@ static const bb_option options_table[] = {
 
 enum { SEGMENTS = 16, HAIR_TRIANGLES = 2 * SEGMENTS, HAIR_VERTICES = 2 * (SEGMENTS + 1) };
 
-static const double core = 0.3, length = 0.06, width = 0.003; /* of the ball, a segment, a ribbon */
+static const double core = 0.3, length = 0.06, width = 0.003; /* radius of the ball; of a segment;
+                                                               * of a ribbon */
 
 static void normalise(double v[3])
 {
@@ -23,7 +24,7 @@ static void normalise(double v[3])
         v[axis] /= size;
 }
 
-/* Two vertices per step, half a width to either side of the path. */
+/* Puts two vertices per step, half a width to either side of the path. */
 static void put_hair(bb_random *random, float *to)
 {
     double at[3], ahead[3], side[3], turn[3];
@@ -58,7 +59,7 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
     bb_random random = bb_random_make(seed, 2);
     for (uint64_t hair = 0; hair < hairs; hair++)
         put_hair(&random, scene->vertices + hair * HAIR_VERTICES * 3);
-    for (uint64_t i = 0; i < n; i++) { /* the last hair is cut short */
+    for (uint64_t i = 0; i < n; i++) { /* the last hair is shortened */
         uint32_t base = (uint32_t)(i / HAIR_TRIANGLES * HAIR_VERTICES + i % HAIR_TRIANGLES);
         const uint32_t corners[2][3] = {{base, base + 1, base + 2}, {base + 1, base, base + 2}};
         memcpy(bb_scene_indices(scene) + 3 * i, corners[i % 2], sizeof corners[0]);

@@ -1,6 +1,6 @@
-/* A closed room: six walls of two triangles each, furniture of boxes, and on it balls of very many
- * very small triangles. The areas differ by seven orders of magnitude; builders that look at
- * centroids only do badly here, and every ray hits something. */
+/* A closed room: six walls of two triangles each, furniture made of boxes, and on it balls of very
+ * many very small triangles. The areas differ by seven orders of magnitude; builders that only use
+ * centroids do badly here, and every ray hits something. */
 #include "framework/base/random.h"
 #include "framework/scene/scene.h"
 #include "scenes/shapes.h"
@@ -15,7 +15,7 @@ static const bb_option options_table[] = {
 
 static const double room_lo[3] = {0, 0, 0}, room_hi[3] = {10, 3, 8}; /* metres */
 
-/* Furniture. Balls lie on the floor and on those that say so. */
+/* Furniture. Balls are on the floor and on furniture marked for it. */
 static const struct {
     double lo[3];
     double hi[3];
@@ -37,14 +37,14 @@ typedef struct ball {
     double radius;
 } ball;
 
-/* What stands on the floor is kept off the furniture; what lies on furniture stays within its top.
+/* Balls on the floor keep off the furniture; balls on furniture stay within its top.
  */
 static void place_ball(bb_random *random, uint32_t number, ball *out)
 {
     static const double sizes[] = {0.3, 0.12, 0.05, 0.02};
     out->radius = sizes[number % 4];
     int on = -1;
-    if (number % 4 != 0) { /* the largest lie on the floor */
+    if (number % 4 != 0) { /* the largest are on the floor */
         do
             on = (int)bb_random_below(random, FURNITURE);
         while (!furniture[on].holds_balls);
@@ -103,7 +103,7 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
     bb_random random = bb_random_make(seed, 6);
     ball balls[BALLS];
     for (uint32_t i = 0; i < BALLS; i++) {
-        /* A full shelf may leave no clear place; then the last try stands, and two balls touch. */
+        /* A full shelf may have no free place; the last try then stays, and two balls touch. */
         for (int attempt = 0; attempt < TRIES; attempt++) {
             place_ball(&random, i, &balls[i]);
             if (is_clear(balls, i, &balls[i]))

@@ -1,14 +1,14 @@
 /* Triangles whose centres halve their distance to a corner, axis by axis: by Morton codes, and by
  * most other measures, the tree is a chain. Seen from that corner the rest of the chain is always
- * nearer than the triangle that leaves it, so that an ordered traversal pushes once per level and
- * fills a stack of rungs - 1 entries to the last; 17 rungs fill the smallest that the host makes.
- * Every second triangle points the other way: some rays miss the first that is tested and must hit
+ * nearer than the triangle that leaves it, so an ordered traversal pushes once per level and fills
+ * a stack of rungs - 1 entries to the last; 17 rungs fill the smallest stack that the host makes.
+ * Every second triangle points the other way: some rays miss the first triangle tested and must hit
  * the one pushed last. */
 #include "scenes/shapes.h"
 
-enum { RUNGS_MAX = 48 }; /* the centres of more are not told apart by floats */
+enum { RUNGS_MAX = 48 }; /* floats do not distinguish the centres of more */
 
-static const double ratio = 0.45; /* not 0.5, where rounding would choose the bit */
+static const double ratio = 0.45; /* not 0.5, where rounding would decide the bit */
 static const double half_size = 4;
 
 static const bb_option options_table[] = {
@@ -17,7 +17,7 @@ static const bb_option options_table[] = {
     {0},
 };
 
-/* Equilateral, across the diagonal; its box is a cube around the centre. */
+/* Puts an equilateral triangle across the diagonal; its box is a cube around the centre. */
 static void put_rung(bb_shape_cursor *cursor, const double centre[3], double half)
 {
     static const double corners[3][3] = {{1, -1, 0}, {0, 1, -1}, {-1, 0, 1}};
@@ -44,7 +44,7 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
     double distance = 1;
     for (uint64_t rung = 0; rung < rungs; rung++) {
         double centre[3] = {0, 0, 0};
-        if (rung + 1 < rungs) /* the last is the corner itself */
+        if (rung + 1 < rungs) /* the last is at the corner itself */
             centre[rung % 3] = distance;
         put_rung(&cursor, centre, rung % 2 == 0 ? half_size : -half_size);
         if (rung % 3 == 2)

@@ -1,6 +1,6 @@
-/* A round limb over a chain of eight bones, each of which swings by up to 60 degrees against the
- * one before, one after the other: what skinned characters do. A vertex follows two bones, blended
- * linearly. */
+/* A round limb over a chain of eight bones, each of which swings by up to 60 degrees relative to
+ * the previous one, one after the other, as in skinned characters. A vertex follows two bones,
+ * blended linearly. */
 #include "scenes/repeatable.h"
 #include "scenes/tube.h"
 
@@ -15,11 +15,12 @@ enum { BONES = 8, CORNERS = 24 };
 static const double radius = 0.3, swing = 1.04719755119659774615; /* 60 degrees */
 static const double turn = 6.28318530717958647693;
 
-/* The chain lies in the plane of x and z; a bone has length 1. */
+/* The chain is in the plane of x and z; a bone has length 1. */
 typedef struct limb {
     bb_tube tube;
     double section[CORNERS][2];
-    double joint[BONES][2], sine[BONES], cosine[BONES]; /* where each bone begins, and its turn */
+    double joint[BONES][2], sine[BONES], cosine[BONES]; /* position of each bone's beginning, and
+                                                         * its turn */
 } limb;
 
 static void pose(limb *l, double time)

@@ -1,10 +1,10 @@
-/* The density of particles that cluster as in a simulation of many bodies: clusters of clusters,
- * and nothing between them, so that most of a volume is empty at any resolution.
+/* The density of particles that cluster as in an n-body simulation: clusters of clusters, and
+ * nothing between them, so most of a volume is empty at any resolution.
  *
- * Soneira, Peebles 1978 (A computer model universe, Astronomical Journal 83): in a sphere lie
- * `children` smaller ones, in each of these as many again. What the last ones are is spread over a
- * fixed radius; densities are added in whole numbers and saturate, so that all machines and any
- * number of threads give the same voxels.
+ * Soneira, Peebles 1978 (A computer model universe, Astronomical Journal 83): a sphere contains
+ * `children` smaller ones, each of these as many again, and so on. Each of the last ones is spread
+ * over a fixed radius; densities are added as whole numbers and saturate, so that all machines and
+ * any number of threads give the same voxels.
  */
 #include "framework/base/memory.h"
 #include "framework/base/random.h"
@@ -20,8 +20,8 @@ enum {
     LEVELS = 7,
     PARTICLES = 1 << 2 * LEVELS,
     VOXELS_MAX = 2049,
-    PEAK = 1024, /* of one particle */
-    HALF = 1536, /* what is drawn at half the largest value */
+    PEAK = 1024, /* density of one particle */
+    HALF = 1536, /* density that is drawn at half the largest value */
 };
 
 static const double shrink = 1.75, spread = 0.02; /* of the volume's side */
@@ -38,10 +38,10 @@ typedef struct particle {
 } particle;
 
 typedef struct job {
-    particle *particles; /* by z */
+    particle *particles; /* sorted by z */
     uint32_t n;
     uint8_t *voxels;
-    uint32_t **sums; /* of a slice, one for each thread */
+    uint32_t **sums; /* of a slice, one per thread */
 } job;
 
 static void cluster(bb_random *random, const double centre[3], double radius, int level,
@@ -65,7 +65,8 @@ static int by_z(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Voxels of an axis, n of them, at 0, 1 / (n - 1), ..., 1, that lie within `spread` of a place. */
+/* Finds the voxels of an axis, of n at 0, 1 / (n - 1), ..., 1, that are within `spread` of a
+ * place. */
 static void reach(double place, uint32_t n, uint32_t *first, uint32_t *end)
 {
     double lo = ceil((place - spread) * (n - 1)), hi = floor((place + spread) * (n - 1)) + 1;

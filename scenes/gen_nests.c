@@ -1,5 +1,5 @@
-/* Nests of triangles whose boxes lie within each other like Russian dolls, around one centre: no
- * plane parts them, every split leaves overlap, and a ray to the innermost meets all. */
+/* Nests of triangles whose boxes contain each other like Russian dolls, around one centre: no plane
+ * separates them, every split leaves overlap, and a ray to the innermost meets all. */
 #include "framework/base/random.h"
 #include "framework/scene/scene.h"
 #include "scenes/repeatable.h"
@@ -14,8 +14,8 @@ static const bb_option options_table[] = {
     {0},
 };
 
-/* A triangle that touches its box around `at`, of half sizes from `inner` to `outer`, on all sides.
- * They differ, lest edges of one triangle lie behind those of another. */
+/* Puts a triangle that touches its box around `at`, with half sizes from `inner` to `outer`, on all
+ * sides. These differ, so that edges of one triangle are not behind those of another. */
 static void put_triangle(bb_random *random, const double at[3], double inner, double outer,
                          float *to)
 {

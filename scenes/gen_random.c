@@ -1,5 +1,5 @@
-/* Equilateral triangles in random places and orientations, their edges spread evenly over the
- * logarithm of the sizes: what codes of centroids alone cannot tell apart. */
+/* Equilateral triangles in random places and orientations, with edges uniform over the logarithm of
+ * the sizes: codes of centroids alone do not distinguish them. */
 #include "framework/base/random.h"
 #include "framework/scene/scene.h"
 #include "scenes/repeatable.h"
@@ -52,8 +52,7 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
     for (uint32_t i = 0; i < scene->prims[BB_TRIANGLE].count; i++) {
         uint32_t bits = (uint32_t)(bb_random_u64(&random) >> (64 - BB_POWER_BITS));
         if (i < 2)
-            bits =
-                i == 0 ? 0 : (1u << BB_POWER_BITS) - 1; /* both ends are there, whatever the seed */
+            bits = i == 0 ? 0 : (1u << BB_POWER_BITS) - 1; /* both ends occur with any seed */
         put_triangle(&random, longest / ratio * bb_power(ratio, bits),
                      scene->vertices + 9 * (size_t)i);
         for (uint32_t k = 0; k < 3; k++)

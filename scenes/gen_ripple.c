@@ -1,5 +1,5 @@
-/* A square sheet that ripples: cloth, or water. What is near each other stays so. The rule:
- * z = sin(12 x + 6 t) cos(9 y + 5 t) / 20 over the unit square. */
+/* A square sheet that ripples like cloth or water. Neighbours stay neighbours. The rule: z = sin(12
+ * x + 6 t) cos(9 y + 5 t) / 20 over the unit square. */
 #include "scenes/motion.h"
 #include "scenes/repeatable.h"
 

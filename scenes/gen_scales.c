@@ -1,5 +1,5 @@
-/* Closed shells around each other, one per decade of sizes. From within the innermost each ray must
- * hit, whatever underflows, overflows, or falls below an absolute epsilon. */
+/* Closed shells around each other, one per decade of sizes. From inside the innermost each ray must
+ * hit, regardless of underflow, overflow, or absolute epsilons. */
 #include "scenes/shapes.h"
 
 static const bb_option options_table[] = {
@@ -22,7 +22,7 @@ static bb_status read_decade(const bb_spec *spec, const bb_option *options, cons
     return BB_OK;
 }
 
-/* Rounded once: powers of ten up to 10^22 are doubles. */
+/* Rounded once: powers of ten up to 10^22 are exact doubles. */
 static double power_of_ten(int exponent)
 {
     double power = 1;

@@ -1,8 +1,8 @@
-/* Numbered files, one for each frame, and frames in between: the same mesh each time, in any format
- * of triangles that is read.
+/* Numbered files, one per frame, and frames in between: the same mesh each time, in any supported
+ * format of triangles.
  *
- * The last number in the first file's name is counted up, with as many digits. Files are read again
- * for each frame; nothing of them is kept.
+ * The last number in the first file's name is counted up, with the same number of digits. Files are
+ * read again for each frame; nothing of them is kept.
  */
 #include "framework/scene/scene.h"
 
@@ -18,12 +18,12 @@ static const bb_option options_table[] = {
     {0},
 };
 
-/* So many files, with so many frames between, are fewer than 2^32 frames. */
+/* With these limits there are fewer than 2^32 frames. */
 enum { PATH_CAPACITY = 1024, FILES_MAX = 1000000, BETWEEN_MAX = 1000 };
 
 typedef struct sequence {
     const char *first;
-    size_t at, digits; /* of the number in its name */
+    size_t at, digits; /* position and length of the number in its name */
     uint64_t number;
     uint64_t files, between;
 } sequence;
@@ -62,7 +62,7 @@ static bool is_there(const sequence *s, uint64_t file)
     return access(path, F_OK) == 0;
 }
 
-/* A gap of a few files is a frame that is missing, not the end. */
+/* A gap of a few files is a missing frame, not the end. */
 static bb_status count_files(sequence *s)
 {
     enum { GAP = 10 };
@@ -103,7 +103,7 @@ static bb_status read_sequence(const bb_spec *spec, const bb_option *options, se
     return bb_spec_u64(spec, options, "files", 2, FILES_MAX, &s->files);
 }
 
-/* The mesh of one file. */
+/* Loads the mesh of one file. */
 static bb_status load(const sequence *s, uint64_t file, bb_scene **scene)
 {
     char path[PATH_CAPACITY];
@@ -136,7 +136,7 @@ static bb_status check_same(const sequence *s, uint64_t file, const bb_scene *ot
                    scene->vertex_count);
 }
 
-/* Adds the vertices of a file, `part` times, to those in the scene. */
+/* Adds the vertices of a file, times `part`, to those in the scene. */
 static bb_status blend(const sequence *s, uint64_t file, double part, bb_scene *scene)
 {
     bb_scene *other;

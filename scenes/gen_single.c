@@ -1,4 +1,4 @@
-/* One triangle: the smallest scene there is. */
+/* One triangle: the smallest scene. */
 #include "framework/scene/scene.h"
 
 #include <string.h>

@@ -1,8 +1,8 @@
-/* A closed cube of slivers that stands askew, so that nothing of it is parallel to an axis.
+/* A closed cube of slivers, turned so that nothing in it is parallel to an axis.
  *
- * Six edges of a cube form a ring through all corners but two opposite ones (its Petrie polygon).
- * Each face has two edges of the ring and one of those two corners, here called poles. The ring is
- * cut into short pieces, and each piece has a sliver to either pole. */
+ * Six edges of a cube form a ring through all corners except two opposite ones (its Petrie
+ * polygon), here called poles. Each face has two edges of the ring and one pole. The ring is
+ * divided into short pieces, and each piece has a sliver to either pole. */
 #include "scenes/shapes.h"
 
 static const bb_option options_table[] = {
@@ -12,7 +12,7 @@ static const bb_option options_table[] = {
     {0},
 };
 
-/* From the cube's own frame, -1/2 to 1/2, to the one that stands askew. */
+/* Transforms from the cube's own frame, -1/2 to 1/2, to the turned one. */
 static void set_askew(const double p[3], double out[3])
 {
     static const double rows[3][3] = {{2, 2, 1}, {-2, 1, 2}, {1, -2, 2}};

@@ -1,6 +1,6 @@
-/* A soup of triangles with a parameter for each trouble that builders and tests have, so that one
- * trouble can be turned up while all else stays. Triangles are isosceles: a long side u and a
- * height v perpendicular to it. The scene lies around the origin, where floats are finest. */
+/* A soup of triangles with a parameter for each difficulty that builders and tests have, so that
+ * one difficulty can be increased while everything else stays. Triangles are isosceles: a long side
+ * u and a height v perpendicular to it. The scene is around the origin, where floats are finest. */
 #include "framework/base/random.h"
 #include "framework/scene/scene.h"
 #include "scenes/repeatable.h"
@@ -85,7 +85,7 @@ static void choose_perpendicular(soup *s, const double u[3], double v[3])
         v[k] /= length;
 }
 
-/* The middle of a cell of the grid, or a point of the unit cube around the origin. */
+/* Returns the middle of a cell of the grid, or a point of the unit cube around the origin. */
 static double choose_place(soup *s)
 {
     if (s->cells == 0)
@@ -94,8 +94,8 @@ static double choose_place(soup *s)
     return (cell + 0.5) / (double)s->cells - 0.5;
 }
 
-/* A box around the origin that its triangle touches on all sides has the centroid 0 to the last
- * bit. Its sides are chosen one by one, lest edges of one triangle lie behind those of another. */
+/* A box around the origin that its triangle touches on all sides has the exact centroid 0. Its
+ * sides are chosen one by one, so that edges of one triangle are not behind those of another. */
 static void centre(soup *s, double corners[9])
 {
     const double size = s->edge / bb_cube_root((double)s->n);
@@ -103,7 +103,7 @@ static void centre(soup *s, double corners[9])
         double least = fmin(corners[k], fmin(corners[3 + k], corners[6 + k]));
         double most = fmax(corners[k], fmax(corners[3 + k], corners[6 + k]));
         double half = size * bb_random_range(&s->random, 0.5, 1);
-        for (int c = 0; c < 9; c += 3) /* to -half and half, and between */
+        for (int c = 0; c < 9; c += 3) /* at -half, at half, and between */
             corners[c + k] =
                 most > least ? half * (2 * (corners[c + k] - least) / (most - least) - 1) : 0;
     }

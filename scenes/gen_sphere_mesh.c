@@ -1,5 +1,5 @@
-/* A closed sphere mesh anywhere: every ray from inside must hit it, so every miss is wrong, and the
- * offset drives the intersector into coordinates whose differences have few bits. */
+/* A closed sphere mesh at any position: every ray from inside must hit it, so every miss is wrong,
+ * and the offset leads the intersector to coordinates whose differences have few bits. */
 #include "framework/scene/scene.h"
 #include "scenes/shapes.h"
 
@@ -25,7 +25,7 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
         BB_TRY(bb_spec_double(spec, options, key, -1e15, 1e15, &centre[axis]));
         farthest = fmax(farthest, fabs(centre[axis]));
     }
-    /* Its vertices are floats: where they lie as far apart as the sphere is wide, it is no sphere,
+    /* Its vertices are floats: if these are as far apart as the sphere is wide, it is not a sphere,
      * and its inside is lost. */
     if (radius < farthest * 0x1p-20)
         return bb_fail(BB_INVALID,

@@ -103,8 +103,8 @@ Container split_glb(const char *path, const Span &file)
 
 /* ---- JSON ---- */
 
-/* Brackets outside strings. (The parser's own callback would do, but makes it quadratic in the
- * length of arrays.) */
+/* Checks the depth of brackets outside strings. (The parser's own callback would do, but makes it
+ * quadratic in the length of arrays.) */
 void check_depth(const char *path, const Span &text)
 {
     int depth = 0;
@@ -124,7 +124,7 @@ void check_depth(const char *path, const Span &text)
     }
 }
 
-/* Says where the text is no JSON. `byte` is the last that was read, from 1. */
+/* Says where the text is not JSON. `byte` is the last that was read, from 1. */
 [[noreturn]] void refuse_text(const char *path, const Span &text, size_t byte)
 {
     const unsigned char *const last = text.data + std::min(byte, text.size);
@@ -157,7 +157,7 @@ json parse(const char *path, const Span &text)
     }
 }
 
-/* A list of the object, empty if absent. */
+/* Returns a list of the object, empty if absent. */
 const json &list_in(const json &object, const char *key)
 {
     static const json none = json::array();
@@ -189,7 +189,8 @@ void check_asset(const char *path, const json &root)
              least.empty() ? version.c_str() : least.c_str());
 }
 
-/* Extensions that a file may require and that don't change the triangles: looks, lights, meta data.
+/* Extensions that a file may require and that do not change the triangles: looks, lights, meta
+ * data.
  */
 bool leaves_geometry_alone(const std::string &name)
 {
@@ -210,7 +211,7 @@ bool leaves_geometry_alone(const std::string &name)
          who.c_str(), name);
 }
 
-/* Before tinygltf: it cannot read all that such a file may hold. */
+/* Called before tinygltf, which cannot read everything in such a file. */
 void check_required_extensions(const char *path, const json &root)
 {
     for (const json &name : list_in(root, "extensionsRequired"))
@@ -218,7 +219,7 @@ void check_required_extensions(const char *path, const json &root)
             refuse_extension(path, "", name.get_ref<const std::string &>().c_str());
 }
 
-/* Extensions that are not required, but without which there are no data. */
+/* Checks extensions that are not required, but without which there are no data. */
 void check_used_extensions(const char *path, const Document &document)
 {
     const tinygltf::Model &model = document.model;
@@ -255,16 +256,16 @@ std::vector<BufferRequest> list_buffers(const char *path, const json &root, cons
     return list;
 }
 
-/* Of two members of one name, the last counts: what is written behind the document's own members
- * hides those that tinygltf must not read. Buffers are gltf_buffers.cpp's; the others hold no
- * triangles, but could bring files from elsewhere, or be damaged. */
+/* Of two members of one name, the last counts: members appended to the document hide those that
+ * tinygltf must not read. Buffers are read by gltf_buffers.cpp; the others hold no triangles, but
+ * could load other files, or be damaged. */
 constexpr const char *hide_the_rest =
     ",\"buffers\":[],\"images\":[],\"textures\":[],\"materials\":[],\"samplers\":[],"
     "\"animations\":[],\"skins\":[],\"cameras\":[],\"extensions\":{},\"extras\":0}";
 
-/* tinygltf refuses indices without a bufferView. They are allowed: zeros, but for a sparse part. It
- * gets to see one that is lent to them, in accessors that hide the document's; `borrowers` are to
- * give it back. Of all files, only these few are written anew. */
+/* tinygltf refuses indices without a bufferView. They are allowed: zeros, except for a sparse part.
+ * It gets a borrowed view, in accessors that hide the document's; `borrowers` must return it. Only
+ * these few files are rewritten. */
 std::string lend_views(const json &root, std::vector<size_t> &borrowers)
 {
     for (const json &mesh : list_in(root, "meshes"))
@@ -295,7 +296,7 @@ tinygltf::Model read_model(const char *path, const Span &json_text, const json &
     std::string error, warning;
     const bool done = parser.LoadASCIIFromString(&model, &error, &warning, text.data(),
                                                  static_cast<unsigned>(text.size()), "");
-    /* It goes on after some errors, without what they concern. */
+    /* It continues after some errors, without the affected parts. */
     if (!done || !error.empty())
         fail(BB_INVALID, "%s: tinygltf cannot read it: %s", path,
              error.substr(0, error.find('\n')).c_str());

@@ -1,5 +1,5 @@
-/* Morph targets (glTF 2.0 specification, section 3.7.2.2): a vertex is where it is, plus the sum of
- * its displacements times their weights. */
+/* Morph targets (glTF 2.0 specification, section 3.7.2.2): a vertex's position plus the sum of its
+ * displacements times their weights. */
 #include "scenes/gltf_morph.hpp"
 
 #include <cmath>

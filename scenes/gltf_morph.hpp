@@ -10,7 +10,8 @@ namespace bb_gltf
 void check_targets(const char *path, const std::string &what, const Accessors &accessors,
                    const std::vector<int> &targets, uint64_t vertices);
 
-/* Adds each target, by its weight, to `points` (x y z of each vertex); one of weight 0 isn't read.
+/* Adds each target, times its weight, to `points` (x y z of each vertex); targets of weight 0 are
+ * not read.
  */
 void add_targets(const std::string &what, const Accessors &accessors,
                  const std::vector<int> &targets, const std::vector<double> &weights,

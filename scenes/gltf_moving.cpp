@@ -1,6 +1,6 @@
 /* Animations, skins and morph targets of a glTF document (glTF 2.0 specification, sections 3.7.2.2,
- * 3.7.3 and 3.11), from its checked JSON: tinygltf is not shown them, since it refuses a whole file
- * for an animation or skin that it cannot read, and knows no weights of nodes. */
+ * 3.7.3 and 3.11), from its checked JSON. They are hidden from tinygltf, which refuses a whole file
+ * for an animation or skin that it cannot read, and does not support weights of nodes. */
 #include "scenes/gltf_parts.hpp"
 
 #include <nlohmann/json.hpp>
@@ -52,7 +52,7 @@ bool is_number(const std::string &text)
     return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
 }
 
-/* Digits are a number, whatever the clips are called. */
+/* Digits are a number, whatever the names of the clips. */
 size_t find_clip(const char *path, const json &animations, const std::string &clip)
 {
     if (animations.empty())
@@ -79,7 +79,7 @@ size_t find_clip(const char *path, const json &animations, const std::string &cl
 
 /* ---- channels ---- */
 
-/* False for a path that is not known. */
+/* Returns false for an unknown path. */
 bool take_path(const std::string &text, Path &path)
 {
     static const char *const names[] = {"translation", "rotation", "scale", "weights"};
@@ -102,7 +102,7 @@ Interpolation take_interpolation(const char *path, const std::string &what, cons
     return text == "STEP" ? Interpolation::step : Interpolation::cubic;
 }
 
-/* A node's property is moved by one channel, and not beside a matrix. */
+/* A node's property may be moved by only one channel, and not if the node has a matrix. */
 void check_target(const char *path, const std::string &what, const json &nodes,
                   const Channel &channel, std::set<std::pair<int, Path>> &taken)
 {
@@ -149,7 +149,7 @@ void take_channels(const char *path, const json &root, const json &animation, Mo
              out.clip.c_str());
 }
 
-/* Its channels may move anything at all. */
+/* Its channels may move any property. */
 void check_extensions(const char *path, const json &root)
 {
     for (const json &name : list_in(root, "extensionsRequired"))
@@ -207,7 +207,7 @@ MeshDeformers take_mesh(const char *path, const json &root, size_t number)
     return out;
 }
 
-/* Of a mesh or a node: one for each morph target, or none. */
+/* Gets the weights of a mesh or a node: one for each morph target, or none. */
 std::vector<double> take_weights(const char *path, const char *what, size_t number,
                                  const json &object, size_t targets)
 {

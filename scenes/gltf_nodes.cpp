@@ -1,6 +1,6 @@
 /* Nodes and their transforms (glTF 2.0 specification, section 3.5.3): translation * rotation *
  * scale or a matrix, accumulated in double precision from the roots. Iterative, so that a chain of
- * a million nodes is no deeper than the heap. */
+ * a million nodes does not overflow the stack. */
 #include "scenes/gltf_nodes.hpp"
 #include "scenes/gltf_parts.hpp"
 
@@ -60,8 +60,8 @@ Transform local_transform(const char *path, const tinygltf::Model &model, size_t
     return t;
 }
 
-/* The nodes must be a forest, and the roots of the scenes its roots: a node below two parents would
- * be an instance, which glTF has not, and could make a small file endless. */
+/* The nodes must form a forest, with the roots of the scenes among its roots: a node below two
+ * parents would be an instance, which glTF does not have, and could make a small file endless. */
 std::vector<int> find_roots(const char *path, const tinygltf::Model &model,
                             std::vector<int> &parent)
 {
@@ -76,7 +76,7 @@ std::vector<int> find_roots(const char *path, const tinygltf::Model &model,
                      child, known, node);
             known = static_cast<int>(node);
         }
-    /* With one parent at most, a cycle is what no root leads to. */
+    /* With at most one parent each, nodes that no root leads to form a cycle. */
     size_t reached = 0;
     std::vector<int> stack, roots;
     for (size_t node = 0; node < count; node++)
@@ -161,7 +161,7 @@ Placement place_nodes(const char *path, const tinygltf::Model &model)
     return out;
 }
 
-/* Parents stand before their children. */
+/* Parents precede their children. */
 void place_again(const char *path, const tinygltf::Model &model, Placement &placement)
 {
     for (const int node : placement.order) {

@@ -19,11 +19,11 @@ struct Transform {
 
 constexpr Transform no_transform = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}, true};
 
-/* a after b. */
+/* Returns a after b. */
 Transform multiply(const Transform &a, const Transform &b);
-/* Of 16 numbers, column by column, whose last row is 0 0 0 1. */
+/* Makes a transform from 16 numbers, column by column, whose last row is 0 0 0 1. */
 Transform from_columns(const double *m);
-/* Before rounding; the identity keeps every bit. */
+/* Does not round to float; the identity keeps every bit. */
 void transform_point(const Transform &t, const double p[3], double out[3]);
 
 struct Placement {
@@ -33,11 +33,11 @@ struct Placement {
     std::vector<Transform> transform; /* of each node of the file, to the scene */
 };
 
-/* All scenes' nodes, each once; without any scene, those of all roots. Fails on a graph that is no
- * forest. */
+/* Places the nodes of all scenes, each once; if there is no scene, those of all roots. Fails if the
+ * graph is not a forest. */
 Placement place_nodes(const char *path, const tinygltf::Model &model);
 
-/* The transforms anew, after the model's nodes have moved. */
+/* Recomputes the transforms after the model's nodes have moved. */
 void place_again(const char *path, const tinygltf::Model &model, Placement &placement);
 } // namespace bb_gltf
 

@@ -1,6 +1,6 @@
-/* What the parts of the glTF loader share: gltf_json.cpp gets the model from tinygltf, after
+/* Shared by the parts of the glTF loader: gltf_json.cpp gets the model from tinygltf, after
  * gltf_schema.cpp has checked it; gltf_buffers.cpp reads files; gltf_plan.cpp takes the triangles,
- * gltf_cameras.cpp the cameras, gltf_moving.cpp and gltf_pose.cpp what moves them. */
+ * gltf_cameras.cpp the cameras, gltf_moving.cpp and gltf_pose.cpp the motion. */
 #ifndef BB_GLTF_PARTS_HPP
 #define BB_GLTF_PARTS_HPP
 
@@ -20,7 +20,7 @@ extern "C" {
 
 namespace bb_gltf
 {
-/* Thrown after bb_fail() has the message; caught at the C door. */
+/* Thrown after bb_fail() has the message; caught at the C interface. */
 struct Failure {
     bb_status status;
 };
@@ -34,7 +34,7 @@ struct Buffer {
     uint64_t size = 0;
 };
 
-/* What the document says of a buffer. */
+/* A buffer as the document describes it. */
 struct BufferRequest {
     std::string where;      /* names it in messages */
     uint64_t length;        /* byteLength */
@@ -42,19 +42,20 @@ struct BufferRequest {
     Buffer chunk;           /* the BIN chunk, or a placeholder */
 };
 
-/* The whole of a file. Refused if it does not fit into the host's memory. */
+/* Reads a whole file. Refused if it does not fit into the host's memory. */
 Buffer read_file(const std::string &path);
 
-/* byteLength bytes of each buffer of the glTF file at `path`, which has `file_size` bytes
- * itself. Refused are uris that are no data and name no file below the folder of `path`, what is
- * shorter than its byteLength, and what does not fit into the host's memory together. */
+/* Reads byteLength bytes of each buffer of the glTF file at `path`, which itself has `file_size`
+ * bytes. Refused are uris that are neither data nor the name of a file below the folder of `path`,
+ * buffers shorter than their byteLength, and buffers that do not fit into the host's memory
+ * together. */
 std::vector<Buffer> read_buffers(const std::string &path, uint64_t file_size,
                                  const std::vector<BufferRequest> &requests);
 
 struct Camera {
     std::string name;
     bool parallel;
-    double extent; /* as bb_view's fov_y; not checked */
+    double extent; /* like bb_view's fov_y; not checked */
 };
 
 /* ---- one of the animations, and the skins and morph targets that it moves ---- */
@@ -76,7 +77,7 @@ struct Skin {
     int inverse_bind;        /* an accessor; -1: identities */
 };
 
-/* What a primitive has for being moved: accessors. */
+/* Accessors of a primitive that can be moved. */
 struct Deformers {
     std::vector<int> targets;         /* of POSITION; -1: the target moves no positions */
     std::vector<int> joints, weights; /* JOINTS_0, WEIGHTS_0 and on, as many of each */
@@ -88,7 +89,7 @@ struct MeshDeformers {
     std::vector<double> weights; /* as many, or none */
 };
 
-/* Of nodes that have any: weights in place of the mesh's, a skin or -1. */
+/* For nodes that have any: weights that replace the mesh's, a skin or -1. */
 struct NodeDeformers {
     std::vector<double> weights;
     int skin = -1;
@@ -97,7 +98,7 @@ struct NodeDeformers {
 struct Moving {
     std::string clip; /* names it in messages */
     std::vector<Channel> channels;
-    uint64_t ignored = 0; /* channels of no node, or of a path that is not known */
+    uint64_t ignored = 0; /* channels without a node, or with an unknown path */
     std::vector<Skin> skins;
     std::vector<MeshDeformers> meshes;
     std::vector<NodeDeformers> nodes;
@@ -105,38 +106,38 @@ struct Moving {
 
 /* ---- the document ---- */
 
-/* A checked file: members are of the right type and references in range. The model holds only
- * what the triangles need; its buffers are here. */
+/* A checked file: members have the right types and references are in range. The model only has what
+ * the triangles need; its buffers are here. */
 struct Document {
     tinygltf::Model model;
     std::vector<Buffer> buffers;
     std::map<int, Camera> cameras; /* by node */
-    std::optional<Moving> moving;  /* of the clip that was asked for */
+    std::optional<Moving> moving;  /* of the requested clip */
     bool quantised = false; /* KHR_mesh_quantization is used: integer positions are allowed */
 };
 
-/* Fails on what tinygltf would misunderstand. */
+/* Fails on members that tinygltf would misunderstand. */
 void check_schema(const char *path, const nlohmann::json &root);
-/* The same, of animations, skins and morph targets. */
+/* The same for animations, skins and morph targets. */
 void check_moving_schema(const char *path, const nlohmann::json &root);
 
 std::map<int, Camera> find_cameras(const nlohmann::json &root);
 
-/* Of the animation that `clip` names, by its name or, if it is made of digits, its number. `root`
- * has passed check_schema() and check_moving_schema(). Fails if there is no such animation, or if
- * it moves no node. */
+/* Finds the animation that `clip` names, by its name or, if it consists of digits, its number.
+ * `root` has passed check_schema() and check_moving_schema(). Fails if there is no such animation,
+ * or if it moves no node. */
 Moving find_moving(const char *path, const nlohmann::json &root, const std::string &clip);
 
-/* Reads and checks `path`, .gltf or .glb by content. `clip` names an animation; NULL: none is
- * looked at. */
+/* Reads and checks `path`, .gltf or .glb by content. `clip` names an animation; NULL: animations
+ * are ignored. */
 Document read_document(const std::string &path, const char *clip);
 
 struct NamedView {
     std::string name;
-    bb_view view; /* but for its name */
+    bb_view view; /* without its name */
 };
 
-/* The cameras of the default scene's nodes, in the order of the nodes. */
+/* Returns the cameras of the default scene's nodes, in the order of the nodes. */
 struct Placement;
 std::vector<NamedView> find_views(const Document &document, const Placement &placement);
 } // namespace bb_gltf

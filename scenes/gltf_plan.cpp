@@ -1,5 +1,5 @@
 /* The triangles of a glTF model (specification sections 3.5 to 3.7): lists, strips and fans of the
- * nodes that are placed. */
+ * placed nodes. */
 #include "scenes/gltf_plan.hpp"
 
 #include <cmath>
@@ -55,7 +55,8 @@ uint64_t Plan::triangles_of(int mode, uint64_t corners, const std::string &what)
     return mode == TINYGLTF_MODE_TRIANGLES ? corners / 3 : corners - 2;
 }
 
-/* What tells the vertices of the primitives of a node apart: all that their places come from. */
+/* Returns what distinguishes the vertices of the primitives of a node: everything their positions
+ * depend on. */
 std::vector<int> Plan::vertices_of(const Part &part) const
 {
     std::vector<int> key = {part.positions};
@@ -97,7 +98,7 @@ void Plan::plan_part(const Part &place, Bases &bases)
     part.vertex_base = known.first->second;
     if (!part.shared)
         vertex_count_ += vertices;
-    /* Stops here, so that the sums cannot overflow, however many nodes there are. */
+    /* Stops here, so that the sums cannot overflow, for any number of nodes. */
     if (triangle_count_ > INT32_MAX || vertex_count_ > UINT32_MAX)
         fail(BB_REFUSED, "%s: has more than 2^31 - 1 triangles or 2^32 - 1 vertices", path_);
     parts_.push_back(part);

@@ -1,5 +1,5 @@
-/* Which primitives of a glTF model become triangles, and where in the scene their vertices and
- * triangles lie. */
+/* Decides which primitives of a glTF model become triangles, and where in the scene their vertices
+ * and triangles are. */
 #ifndef BB_GLTF_PLAN_HPP
 #define BB_GLTF_PLAN_HPP
 
@@ -17,15 +17,16 @@ struct Part {
     int primitive;
     int positions; /* accessor */
     uint64_t vertex_base;
-    bool shared; /* an earlier part of this node has put the same vertices there */
+    bool shared; /* an earlier part of this node has the same vertices */
     uint64_t triangle_base;
 };
 
-/* Counts first, so that all memory is asked for once and refused beforehand; then fills. */
+/* Counts first, so that all memory is requested at once and can be refused beforehand; then
+ * fills. */
 class Plan
 {
   public:
-    /* The primitives of all nodes that are placed. All three must outlive it. */
+    /* The primitives of all placed nodes. All three arguments must outlive it. */
     Plan(const char *path, const Document &document, const Accessors &accessors,
          const Placement &placement);
 
@@ -41,7 +42,7 @@ class Plan
     {
         return parts_;
     }
-    /* Primitives left out: points, lines, and those without positions. */
+    /* Number of primitives left out: points, lines, and those without positions. */
     uint64_t ignored() const
     {
         return no_surface_ + no_positions_;
@@ -49,7 +50,8 @@ class Plan
     std::string name_of(const Part &part) const;
 
     void fill_triangles(uint32_t *triangles) const;
-    /* The vertices of a part in its own pose, moved by its node. `what` names it in messages. */
+    /* Computes the vertices of a part in its own pose, moved by its node. `what` names it in
+     * messages. */
     void fill_positions(const Part &part, const std::string &what, float *vertices) const;
 
   private:

@@ -1,6 +1,5 @@
-/* Frames of a clip: the nodes' properties are sampled, their transforms accumulated, morph targets
- * added, and then skins or the nodes' transforms applied, all in double precision, and rounded
- * once. */
+/* Frames of a clip: samples the nodes' properties, accumulates their transforms, adds morph
+ * targets, then applies skins or the nodes' transforms; all in double precision, rounded once. */
 #include "scenes/gltf_pose.hpp"
 #include "scenes/gltf_morph.hpp"
 
@@ -38,7 +37,7 @@ std::string Pose::name_of(const Part &part) const
     return "frame " + std::to_string(frame_) + ", " + plan_.name_of(part);
 }
 
-/* The node's own, else its mesh's, else 0. */
+/* Takes the node's own weights, else its mesh's, else 0. */
 void Pose::start_weights()
 {
     for (size_t i = 0; i < document_.model.nodes.size(); i++) {
@@ -52,7 +51,7 @@ void Pose::start_weights()
     }
 }
 
-/* Points in double precision, of one part after the other, and the joints of all. */
+/* Counts points in double precision, for one part at a time, and the joints of all. */
 void Pose::refuse_too_much() const
 {
     uint64_t most = 0, sum = 0;

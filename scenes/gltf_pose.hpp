@@ -1,4 +1,4 @@
-/* A glTF file in motion: where its vertices are in a frame of a clip. */
+/* A glTF file in motion: positions of its vertices in a frame of a clip. */
 #ifndef BB_GLTF_POSE_HPP
 #define BB_GLTF_POSE_HPP
 
@@ -11,14 +11,14 @@ namespace bb_gltf
 class Pose
 {
   public:
-    /* Reads and checks all that moves; the document's clip is played in `frames` frames, 2 at
-     * least. The others must outlive it; set() changes document and placement. */
+    /* Reads and checks everything that moves; the document's clip is played in `frames` frames, at
+     * least 2. The other arguments must outlive it; set() changes document and placement. */
     Pose(const char *path, Document &document, const Accessors &accessors, Placement &placement,
          const Plan &plan, uint32_t frames);
 
-    /* Moves the nodes to where they are in a frame. */
+    /* Moves the nodes to their places in a frame. */
     void set(uint32_t frame);
-    /* The vertices of the frame that was set. Fails on one that is not finite. */
+    /* Computes the vertices of the current frame. Fails if one is not finite. */
     void fill(float *vertices) const;
 
   private:

@@ -24,8 +24,8 @@ double length_of(const double q[4])
 }
 
 /* C.4: along the shorter arc, at constant speed. The angle between the two is twice the arctangent
- * of the lengths of their difference over their sum (Kahan), which is exact for small and large
- * ones alike, where the arccosine of their product is not. */
+ * of the ratio of the lengths of their difference and sum (Kahan), which is accurate for small and
+ * large angles, unlike the arccosine of their product. */
 void interpolate_arc(const double a[4], const double b[4], double u, double out[4])
 {
     double product = 0, difference[4], sum[4];
@@ -36,7 +36,7 @@ void interpolate_arc(const double a[4], const double b[4], double u, double out[
         difference[i] = a[i] - sign * b[i];
         sum[i] = a[i] + sign * b[i];
     }
-    /* At most 1, but for rounding, since the shorter arc is at most a quarter of a turn. */
+    /* At most 1, except for rounding, since the shorter arc is at most a quarter of a turn. */
     const double ratio = std::min(length_of(difference) / length_of(sum), 1.0);
     const double angle = 2 * bb_arctangent(ratio), whole = bb_sine(angle);
     const double from = whole > 0 ? bb_sine(angle * (1 - u)) / whole : 1 - u;

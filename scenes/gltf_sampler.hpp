@@ -9,14 +9,14 @@ namespace bb_gltf
 /* Keyframes, decoded. */
 struct Track {
     Interpolation interpolation;
-    bool rotation;              /* the values are quaternions x y z w; of length 1 if linear */
-    size_t width;               /* numbers of a value */
-    std::vector<double> times;  /* rising; one at least */
-    std::vector<double> values; /* of each time; if cubic: in-tangent, value, out-tangent of each */
+    bool rotation;              /* the values are quaternions x y z w, of length 1 if linear */
+    size_t width;               /* numbers per value */
+    std::vector<double> times;  /* increasing; at least one */
+    std::vector<double> values; /* per time; if cubic: in-tangent, value, out-tangent */
 };
 
-/* The value at a time, `width` numbers; before the first keyframe the first's, after the last the
- * last's. A rotation between two cubic keyframes is not of length 1. */
+/* Computes the value at a time, `width` numbers; before the first keyframe it is the first one's,
+ * after the last the last one's. A rotation between two cubic keyframes does not have length 1. */
 void sample(const Track &track, double time, double *out);
 } // namespace bb_gltf
 

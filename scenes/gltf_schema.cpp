@@ -1,7 +1,7 @@
-/* What tinygltf does not check of the members that the triangles depend on: their type, their
- * range, and that what they refer to is there (glTF 2.0 specification, chapter 5). Members that
- * tinygltf demands itself are not demanded here. Those that move triangles, which tinygltf is not
- * shown, are checked only if a clip is asked for. */
+/* Checks that tinygltf lacks, of the members on which the triangles depend: their type, their
+ * range, and that their references exist (glTF 2.0 specification, chapter 5). Members that tinygltf
+ * itself requires are not required here. Members that move triangles, which are hidden from
+ * tinygltf, are only checked if a clip is requested. */
 #include "scenes/gltf_parts.hpp"
 
 #include <nlohmann/json.hpp>
@@ -19,7 +19,7 @@ struct Member {
     const char *name;
     Kind kind;
     uint64_t low = 0, high = 0;       /* of a whole number or an index */
-    const char *of = nullptr;         /* of objects: what one of them is called */
+    const char *of = nullptr;         /* of objects: name of one of them */
     std::vector<Member> members = {}; /* of an object */
     bool is_list = false;
     uint64_t length = 0; /* of the list; 0: any */
@@ -55,7 +55,7 @@ Member numbers(const char *name, uint64_t length)
     return list({name, Kind::number}, length);
 }
 
-/* A list stands before those that refer to it. */
+/* Lists precede those that refer to them. */
 Members document_members()
 {
     const Members part = {index("bufferView", "bufferViews"), whole("byteOffset", 0, most_int),
@@ -84,7 +84,7 @@ Members document_members()
             list(object("scenes", {list(index("nodes", "nodes"))}, "scene"))};
 }
 
-/* What an animation depends on besides; gltf_moving.cpp demands what must be there. */
+/* Further members for animations; gltf_moving.cpp requires the mandatory ones. */
 Members moving_members()
 {
     const Members target = {index("node", "nodes"), {"path", Kind::text}};
@@ -148,7 +148,7 @@ struct Checker {
         }
     }
 
-    /* Of a list of any length: none. */
+    /* Empty for a list of any length. */
     static std::string count_of(const Member &member)
     {
         return member.length != 0 ? std::to_string(member.length) + " " : "";
@@ -172,7 +172,7 @@ struct Checker {
     }
 };
 
-/* tinygltf leaves out what the matrix stands beside. */
+/* tinygltf ignores members beside a matrix. */
 void check_transforms(const char *path, const json &nodes)
 {
     for (size_t i = 0; i < nodes.size(); i++)

@@ -1,5 +1,5 @@
-/* Skins (glTF 2.0 specification, section 3.7.3): a vertex is the mean of where its joints take it,
- * by weights. The transform of the mesh's own node plays no part. */
+/* Skins (glTF 2.0 specification, section 3.7.3): a vertex is the weighted mean of the positions to
+ * which its joints take it. The transform of the mesh's own node is ignored. */
 #include "scenes/gltf_skin.hpp"
 
 #include <cmath>
@@ -8,7 +8,7 @@ namespace bb_gltf
 {
 namespace
 {
-/* Rounding in the file is forgiven in the last row, which is not used. */
+/* Tolerates rounding in the file's last row, which is not used. */
 void check_matrix(const char *path, const std::string &what, uint64_t joint, const double *m)
 {
     const double last[4] = {m[3], m[7], m[11], m[15] - 1};
@@ -76,7 +76,7 @@ uint64_t bytes_of_influences(const Deformers &deformers, uint64_t vertices)
 
 namespace
 {
-/* Joints and weights as they are in the file, four of each set. */
+/* Joints and weights as in the file, four per set. */
 struct Table {
     std::vector<uint32_t> joints;
     std::vector<double> weights;

@@ -10,19 +10,19 @@ namespace bb_gltf
 /* A skin with its matrices. */
 struct Joints {
     std::vector<int> nodes;
-    std::vector<Transform> inverse_bind; /* from the mesh to the joint, as they were bound */
+    std::vector<Transform> inverse_bind; /* from the mesh to the joint, in the bind pose */
 };
 
-/* Fails on a skin without joints or with joints that are in no scene, and on matrices that are too
- * few, not finite, or no affine transforms. */
+/* Fails if a skin has no joints or joints that are in no scene, and if matrices are too few, not
+ * finite, or not affine transforms. */
 Joints read_joints(const char *path, int skin, const Document &document, const Accessors &accessors,
                    const Placement &placement);
 
-/* From the mesh to the scene, by each joint where it is now. */
+/* Returns the transforms from the mesh to the scene by each joint's current transform. */
 std::vector<Transform> place_joints(const Joints &joints, const Placement &placement);
 
-/* The joints that vertices follow, of which those of weight 0 are left out; the weights of a vertex
- * have the sum 1. Of vertex i, list[ends[i - 1] .. ends[i] - 1]. */
+/* The joints that vertices follow, without those of weight 0; the weights of a vertex sum to 1.
+ * Vertex i has list[ends[i - 1] .. ends[i] - 1]. */
 struct Influences {
     struct One {
         double weight;
@@ -32,15 +32,15 @@ struct Influences {
     std::vector<One> list;
 };
 
-/* Bytes that reading influences takes at most. */
+/* Returns the most bytes that reading influences takes. */
 uint64_t bytes_of_influences(const Deformers &deformers, uint64_t vertices);
 
-/* Fails on joints that the skin has not and weights below zero. */
+/* Fails on joints that the skin does not have, and on negative weights. */
 Influences read_influences(const char *path, const std::string &what, const Accessors &accessors,
                            const Deformers &deformers, uint64_t vertices, size_t joints);
 
 /* Moves `points`, x y z of each vertex, from the mesh to the scene. Vertices that follow no joint
- * stay where they are. */
+ * do not move. */
 void skin_points(const Influences &influences, const std::vector<Transform> &joints,
                  std::vector<double> &points);
 } // namespace bb_gltf

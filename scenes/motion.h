@@ -1,7 +1,7 @@
-/* What generated scenes that move have in common: their frames, and where the whole goes.
+/* Common to generated moving scenes: their frames, and the motion of the whole scene.
  *
- * Positions are functions of the frame alone, in doubles, by operations that are the same on every
- * machine (repeatable.h), and are rounded to float once.
+ * Positions depend only on the frame. They are computed in doubles, by operations that are the same
+ * on every machine (repeatable.h), and are rounded to float once.
  */
 #ifndef BB_MOTION_H
 #define BB_MOTION_H
@@ -13,11 +13,11 @@ typedef struct bb_motion {
     uint64_t frames, seed;
     uint32_t frame;
     double time; /* of the frame: 0 for the first, 1 for the last */
-    double away; /* how far the whole goes until the last frame */
+    double away; /* how far the whole scene moves until the last frame */
     double shift[3];
 } bb_motion;
 
-/* What a generator adds to its table of options. */
+/* Options that a generator adds to its table. */
 #define BB_MOTION_OPTIONS                                                                          \
     {"frames", NULL, NULL, "number of frames; 1: it stands still; default: 21"},                   \
         {"seed", "1", NULL, "seed of what is random"},                                             \
@@ -27,15 +27,15 @@ typedef struct bb_motion {
 
 enum { BB_MOTION_FRAMES = 21 };
 
-/* Takes the options, for one frame; `frames` is the default number of them. BB_INVALID for numbers
- * that are out of range. */
+/* Reads the options, for one frame; `frames` is their default number. BB_INVALID for numbers that
+ * are out of range. */
 bb_status bb_motion_read(const bb_spec *spec, const bb_option *options, uint32_t frames,
                          uint32_t frame, bb_motion *motion);
 
-/* Tells the scene, when it is made, how many frames there are. */
+/* Sets the scene's number of frames when it is made. */
 void bb_motion_declare(const bb_motion *motion, bb_scene *scene);
 
-/* A point, shifted and rounded; returns to + 3. */
+/* Writes a point, shifted and rounded; returns to + 3. */
 float *bb_motion_put(const bb_motion *motion, const double p[3], float *to);
 
 #endif

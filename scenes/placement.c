@@ -1,5 +1,5 @@
-/* Rotations come from random unit quaternions (Shoemake: Uniform Random Rotations, Graphics Gems
- * III, 1992), sampled by rejection: + - * / and square roots are the same on every machine. */
+/* Rotations are random unit quaternions (Shoemake: Uniform Random Rotations, Graphics Gems III,
+ * 1992), sampled by rejection: + - * / and square roots are the same on every machine. */
 #include "scenes/placement.h"
 
 #include "framework/base/random.h"

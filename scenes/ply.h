@@ -1,4 +1,4 @@
-/* A PLY file as its header describes it: ply_header.c reads that, format_ply.c the rows. */
+/* A PLY file as its header describes it: ply_header.c reads the header, format_ply.c the rows. */
 #ifndef BB_PLY_H
 #define BB_PLY_H
 
@@ -17,7 +17,7 @@ typedef struct ply_type {
     bool is_whole, is_signed;
 } ply_type;
 
-/* What a number is to us. */
+/* How a number is used. */
 typedef enum ply_role { PLY_X, PLY_Y, PLY_Z, PLY_CORNERS, PLY_OTHER } ply_role;
 
 typedef struct ply_property {
@@ -45,13 +45,13 @@ typedef struct ply {
     uint32_t property_count;
     uint64_t body_line;
 
-    /* where the walk is */
+    /* current position */
     const char *at;
     uint64_t line;
     const ply_element *element;
     uint64_t row;
 
-    /* of the row */
+    /* current row */
     double position[3];
     uint32_t *corners;
     uint64_t corner_count, corner_room;
@@ -59,11 +59,11 @@ typedef struct ply {
     uint64_t triangles, ignored;
 } ply;
 
-/* Reads the header of the file in data..end and moves `at` behind it. BB_INVALID if it is none, or
- * promises no triangles. */
+/* Reads the header of the file in data..end and moves `at` behind it. BB_INVALID if it is invalid,
+ * or has no triangles. */
 bb_status bb_ply_read_header(ply *ply);
 
-/* NULL: there is none of that name. */
+/* Returns the element of that name; NULL if there is none. */
 const ply_element *bb_ply_find(const ply *ply, const char *name);
 
 #endif

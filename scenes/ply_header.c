@@ -30,7 +30,7 @@ static bb_status bad_header(const ply *ply, const char *what)
     return bb_fail(BB_INVALID, "%s: line %" PRIu64 " of its header %s", ply->path, ply->line, what);
 }
 
-/* The words of the next line; a comment has none. */
+/* Gets the words of the next line; a comment has none. */
 static bb_status next_line(ply *ply, char text[LINE_BYTES_MAX], char *words[WORDS_MAX],
                            uint32_t *count)
 {
@@ -167,7 +167,7 @@ static bool has_role(const ply *ply, const ply_element *element, ply_role role)
     return false;
 }
 
-/* Whether what the header promises are triangles. */
+/* Checks that the header describes triangles. */
 static bb_status check_header(const ply *ply)
 {
     const ply_element *vertex = bb_ply_find(ply, "vertex"), *face = bb_ply_find(ply, "face");

@@ -8,8 +8,8 @@
 
 enum { BB_POWER_BITS = 16 };
 
-/* ratio^u for ratio >= 1 and u = 0.b1 b2 ... b16: the product of the repeated square roots whose
- * bits are set. All bits set stands for u = 1. */
+/* Returns ratio^u for ratio >= 1 and u = 0.b1 b2 ... b16: the product of the repeated square roots
+ * whose bits are set. All bits set stands for u = 1. */
 static inline double bb_power(double ratio, uint32_t bits)
 {
     if (bits == (1u << BB_POWER_BITS) - 1)
@@ -23,8 +23,8 @@ static inline double bb_power(double ratio, uint32_t bits)
     return out;
 }
 
-/* The cube root of 1e-20 < x < 1e20, to the last bits: Newton from above, which falls by a third a
- * step at first. */
+/* Returns the cube root of 1e-20 < x < 1e20, to the last bits: Newton's method from above, which
+ * falls by a third per step at first. */
 static inline double bb_cube_root(double x)
 {
     double root = x > 1 ? x : 1;
@@ -33,8 +33,9 @@ static inline double bb_cube_root(double x)
     return root;
 }
 
-/* sin(x) of |x| < 1e6, to about 1e-10: pi times 1e6 turns are no better than that; of |x| <= pi/2
- * to 1e-15 of the value. Taylor's series on a quarter of a turn to either side. */
+/* Returns sin(x) for |x| < 1e6, to about 1e-10, since pi times 1e6 turns is no more accurate; for
+ * |x| <= pi/2 with a relative error of 1e-15. Taylor's series on a quarter of a turn to either
+ * side. */
 static inline double bb_sine(double x)
 {
     static const double pi = 3.14159265358979323846;
@@ -52,8 +53,8 @@ static inline double bb_cosine(double x)
     return bb_sine(x + 1.57079632679489661923);
 }
 
-/* atan(x) of 0 <= x <= 1, to 1e-15 of the value. The angle is halved twice, which leaves less than
- * 0.2 to the series: atan(x) = 2 atan(x / (1 + sqrt(1 + x^2))). */
+/* Returns atan(x) for 0 <= x <= 1, with a relative error of 1e-15. The angle is halved twice, which
+ * leaves less than 0.2 to the series: atan(x) = 2 atan(x / (1 + sqrt(1 + x^2))). */
 static inline double bb_arctangent(double x)
 {
     double sum = 0;

@@ -1,9 +1,9 @@
 /* Box and sphere meshes.
  *
  * The vertices of the sphere are the integer points (i, j, k) with |i| + |j| + |k| = n, scaled to
- * the radius: neighbouring faces find the same vertex by the same arithmetic on integers, so that
- * there is no seam and no pole to be closed. Rows of one j are stored one after the other: first
- * the half k >= 0, then k < 0.
+ * the radius: neighbouring faces find the same vertex by the same integer arithmetic, so there is
+ * no seam and no pole to be closed. Rows of one j are stored one after the other: first the half k
+ * >= 0, then k < 0.
  */
 #include "scenes/shapes.h"
 
@@ -66,7 +66,7 @@ uint64_t bb_shape_sphere_triangles(uint64_t n)
     return 8 * n * n;
 }
 
-/* Points with |i| + |j| <= m in rows before row j. */
+/* Returns the number of points with |i| + |j| <= m in rows before row j. */
 static int64_t rows_before(int64_t m, int64_t j)
 {
     int64_t rows = j + m; /* rows -m .. j - 1 have 1, 3, 5 ... points up to row 0, then fewer */
@@ -75,7 +75,7 @@ static int64_t rows_before(int64_t m, int64_t j)
     return 2 * m * m + 2 * m + 1 - (m - j + 1) * (m - j + 1);
 }
 
-/* Number of the vertex (i, j, +-(n - |i| - |j|)). */
+/* Returns the number of the vertex (i, j, +-(n - |i| - |j|)). */
 static uint32_t vertex_number(int64_t n, int64_t i, int64_t j, int sign)
 {
     int64_t k = n - llabs(i) - llabs(j);
@@ -96,7 +96,7 @@ static void put_points(bb_shape_cursor *cursor, const double centre[3], double r
         }
 }
 
-/* One face of the octahedron, with the signs of its coordinates. */
+/* Puts one face of the octahedron, with the signs of its coordinates. */
 static void put_face(bb_shape_cursor *cursor, uint32_t base, int64_t n, int sx, int sy, int sz)
 {
     int turned = sx * sy * sz < 0; /* keeps all faces wound to be seen from outside */

@@ -1,5 +1,5 @@
-/* Closed meshes that several generators are put together from. Vertices are shared within a shape,
- * so that each is watertight by its indices already. */
+/* Closed meshes that several generators are composed of. Vertices are shared within a shape, so
+ * each is watertight by its indices alone. */
 #ifndef BB_SHAPES_H
 #define BB_SHAPES_H
 
@@ -7,19 +7,19 @@
 
 #include <stdint.h>
 
-/* Where the next shape goes. */
+/* The place of the next shape. */
 typedef struct bb_shape_cursor {
     float *vertices;
     uint32_t *indices;
     uint32_t vertex_count; /* written so far */
     uint32_t triangle_count;
-    const bb_placement *placement; /* NULL: as it is */
+    const bb_placement *placement; /* NULL: unchanged */
 } bb_shape_cursor;
 
-/* From the first vertex and triangle of the scene on. */
+/* Starts at the first vertex and triangle of the scene. */
 bb_shape_cursor bb_shape_start(bb_scene *scene, const bb_placement *placement);
 
-/* One vertex, rounded to float once, whose number is returned; one triangle; and a quad, as the
+/* Puts one vertex, rounded to float once, and returns its number; one triangle; and a quad, as the
  * triangles abc and acd. */
 uint32_t bb_shape_vertex(bb_shape_cursor *cursor, const double p[3]);
 void bb_shape_triangle(bb_shape_cursor *cursor, uint32_t a, uint32_t b, uint32_t c);
@@ -27,15 +27,15 @@ void bb_shape_quad(bb_shape_cursor *cursor, uint32_t a, uint32_t b, uint32_t c, 
 
 enum { BB_SHAPE_BOX_VERTICES = 8, BB_SHAPE_BOX_TRIANGLES = 12 };
 
-/* A box, wound to be seen from outside. */
+/* Puts a box, wound to be seen from outside. */
 void bb_shape_box(bb_shape_cursor *cursor, const double lo[3], const double hi[3]);
 
-/* Vertices and triangles of a sphere of tessellation n >= 1. */
+/* Numbers of vertices and triangles of a sphere of tessellation n >= 1. */
 uint64_t bb_shape_sphere_vertices(uint64_t n);
 uint64_t bb_shape_sphere_triangles(uint64_t n);
 
-/* An octahedron whose faces are cut into n * n triangles each, pushed out onto the sphere.
- * Positions are computed in double and rounded once; only + - * / and square roots, so that they
+/* Puts an octahedron whose faces are divided into n * n triangles each, pushed out onto the sphere.
+ * Positions are computed in double and rounded once, only by + - * / and square roots, so that they
  * are the same on every machine. */
 void bb_shape_sphere(bb_shape_cursor *cursor, const double centre[3], double radius, uint32_t n);
 

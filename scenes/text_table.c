@@ -67,7 +67,7 @@ static bool is_blank(char c)
     return c == ' ' || c == '\t' || c == '\r';
 }
 
-/* A word that is no number, for the message. */
+/* Reports a word that is not a number. */
 static bb_status no_number(const bb_text_table *table, const char *word, const char *end)
 {
     char quoted[41];
@@ -79,7 +79,7 @@ static bb_status no_number(const bb_text_table *table, const char *word, const c
                    quoted);
 }
 
-/* The numbers of one line, which ends at a comment. */
+/* Reads the numbers of one line, which ends at a comment. */
 static bb_status read_line(bb_text_table *table, uint32_t most, double *numbers, uint32_t *count)
 {
     *count = 0;
@@ -97,7 +97,7 @@ static bb_status read_line(bb_text_table *table, uint32_t most, double *numbers,
         double number = strtod(word, &end);
         bool good = end == table->at;
         for (const char *c = word; good && c < table->at; c++)
-            good = tolower((unsigned char)*c) != 'x'; /* strtod() takes hexadecimal */
+            good = tolower((unsigned char)*c) != 'x'; /* strtod() accepts hexadecimal */
         if (!good)
             return no_number(table, word, table->at);
         if (*count < most)

@@ -1,5 +1,5 @@
-/* Files of lines of numbers, as TetGen writes them: `#` begins a comment, empty lines count for
- * nothing. A name that ends in .zst is expanded. */
+/* Files of lines of numbers, like TetGen's: `#` begins a comment, empty lines are ignored. A file
+ * whose name ends in .zst is expanded. */
 #ifndef BB_TEXT_TABLE_H
 #define BB_TEXT_TABLE_H
 
@@ -12,21 +12,20 @@ typedef struct bb_text_table {
     const char *path; /* not copied */
     char *text;
     const char *at, *end;
-    uint64_t line; /* that bb_text_table_next() gave */
+    uint64_t line; /* line of the last bb_text_table_next() */
 } bb_text_table;
 
-/* `room`: bytes that it may take; what it has taken is subtracted. BB_REFUSED if that is too
- * little. */
+/* `room`: bytes that it may take; reduced by the bytes taken. BB_REFUSED if it is too small. */
 bb_status bb_text_table_open(const char *path, uint64_t *room, bb_text_table *table);
 void bb_text_table_close(bb_text_table *table);
 
-/* Reads the numbers of the next line: at least `least`, and those beyond `most` are left out; their
- * number in *count. BB_INVALID, with the line, for anything else, and where the file has ended:
- * `what` says what should have been there. */
+/* Reads the numbers of the next line: at least `least`; those beyond `most` are left out. *count:
+ * their number. BB_INVALID, with the line, for anything else, and at the end of the file: `what`
+ * says what should have been there. */
 bb_status bb_text_table_next(bb_text_table *table, const char *what, uint32_t least, uint32_t most,
                              double *numbers, uint32_t *count);
 
-/* The n-th of these numbers as a whole one, from `low` to `high`; `name` is for the message. */
+/* Converts one of these numbers to a whole one, from `low` to `high`; `name` is for the message. */
 bb_status bb_text_table_whole(const bb_text_table *table, double number, const char *name,
                               uint64_t low, uint64_t high, uint64_t *out);
 

@@ -1,4 +1,4 @@
-/* Vertices: a ring of corners * across points at each of along + 1 heights, then the middle of
+/* Vertices: a ring of corners * across points at each of along + 1 heights, then the centre of
  * either end. */
 #include "scenes/tube.h"
 
@@ -38,7 +38,7 @@ bb_status bb_tube_reserve(const bb_tube *tube, bb_scene *scene)
     return BB_OK;
 }
 
-/* Point i of the ring, of `ring`. */
+/* Gets point i of the ring, of `ring`. */
 static void section_point(const bb_tube *tube, uint32_t i, double p[3])
 {
     uint32_t corner = i / tube->across;

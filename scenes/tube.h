@@ -4,20 +4,20 @@
 
 #include "scenes/motion.h"
 
-/* A regular prism about the z axis, from 0 to `length`: its corners are given, its faces cut into
- * cells. */
+/* A regular prism around the z axis, from 0 to `length`, with given corners; its faces are divided
+ * into cells. */
 typedef struct bb_tube {
     uint32_t corners;           /* of its section, at most 64 */
     const double (*section)[2]; /* x y of each */
     double length;
-    uint32_t across, along; /* cells of a face, either way */
+    uint32_t across, along; /* cells of a face in both directions */
 } bb_tube;
 
-/* Makes room for it in an empty scene and writes its triangles. */
+/* Reserves room for it in an empty scene and writes its triangles. */
 bb_status bb_tube_reserve(const bb_tube *tube, bb_scene *scene);
 
-/* Writes its vertices, each where bend(user, p) moves it to. Equal points of neighbouring faces
- * give equal floats: it is closed. */
+/* Writes its vertices, each moved by bend(user, p). Equal points of neighbouring faces give equal
+ * floats, so it is closed. */
 void bb_tube_place(const bb_tube *tube, const bb_motion *motion,
                    void (*bend)(const void *user, double p[3]), const void *user, bb_scene *scene);
 

@@ -6,7 +6,8 @@
 static uint32_t brick_side(const bb_spec *spec, const bb_option *options)
 {
     uint64_t side = BB_BRICK_SIDE;
-    (void)bb_spec_u64(spec, options, "brick", 1, BB_BRICK_SIDE_MAX, &side); /* one of the listed */
+    (void)bb_spec_u64(spec, options, "brick", 1, BB_BRICK_SIDE_MAX, &side); /* one of the listed
+                                                                             * values */
     return (uint32_t)side;
 }
 
@@ -16,7 +17,7 @@ bb_status bb_volume_scene_reserve(const bb_scene *scene, const bb_spec *spec,
     return bb_voxels_reserve(scene->name, brick_side(spec, options), voxels);
 }
 
-/* All of it from in front, as the paper has it; from a corner; and from its middle. */
+/* Adds views: all of it from in front, as in the paper; from a corner; and from its middle. */
 static void add_views(const bb_volume_grid *grid, bb_scene *scene)
 {
     static const double fov = 40, tangent = 0.3639702343; /* of half of it */

@@ -15,7 +15,7 @@ static uint64_t bytes_of(const bb_voxels *voxels)
     return (uint64_t)voxels->dims[0] * voxels->dims[1] * voxels->dims[2] * voxels->bytes;
 }
 
-/* What the file should have been, for messages. */
+/* Reports how long the file should be. */
 static bb_status wrong_size(const char *path, const char *has, const bb_voxels *voxels)
 {
     return bb_fail(BB_INVALID,
@@ -38,7 +38,8 @@ bb_status bb_voxel_file_read(const char *path, const bb_voxels *voxels)
     return status;
 }
 
-/* All at once: a stream would take the window that a frame's header asks for, up to 128 MB. */
+/* Expands all at once: a stream would allocate the window that a frame's header asks for, up to 128
+ * MB. */
 static bb_status expand(const char *path, const char *packed, size_t size, const bb_voxels *voxels)
 {
     size_t expanded = ZSTD_decompress(voxels->values, (size_t)bytes_of(voxels), packed, size);

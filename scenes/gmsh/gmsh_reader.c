@@ -1,8 +1,8 @@
-/* bvhbench-gmsh FILE: reads a mesh with Gmsh's library, and writes its tetrahedra on standard
+/* bvhbench-gmsh FILE: reads a mesh with Gmsh's library, and writes its tetrahedra to standard
  * output (gmsh_stream.h). Gmsh is under the GPL; nothing but this program is linked with it.
  *
- * Vertices that no tetrahedron has are left out. Tetrahedra of 10 nodes are taken by their corners.
- * The field is the first post-processing view with one value per node. */
+ * Vertices without a tetrahedron are left out. Of tetrahedra of 10 nodes the corners are used. The
+ * field is the first post-processing view with one value per node. */
 #include "scenes/gmsh/gmsh_stream.h"
 
 #include <gmshc.h>
@@ -16,13 +16,13 @@ typedef struct mesh {
     size_t *nodes; /* tags, and three coordinates each */
     size_t node_count;
     double *coordinates;
-    uint32_t *number_of; /* by tag: which vertex it becomes, from 1; 0: none has it */
+    uint32_t *number_of; /* by tag: number of its vertex, from 1; 0: no tetrahedron has it */
     size_t tag_max;
     uint32_t *tets;
     float *vertices, *field;
 } mesh;
 
-/* The first line of it. */
+/* Sets the message to the first line of Gmsh's. */
 static void complain(mesh *m, const char *what, const char *gmsh)
 {
     snprintf(m->head.message, sizeof m->head.message, "%s%s%.160s", what,
@@ -111,7 +111,7 @@ static int count_others(mesh *m)
     return 0;
 }
 
-/* Vertices that tetrahedra have, in the file's order. */
+/* Numbers the vertices that tetrahedra have, in the file's order. */
 static int number_vertices(mesh *m)
 {
     m->vertices = malloc((3 * m->node_count + 1) * sizeof *m->vertices);
@@ -122,7 +122,7 @@ static int number_vertices(mesh *m)
     for (size_t i = 0; i < m->node_count; i++) {
         uint32_t *number = &m->number_of[m->nodes[i]];
         if (*number != 1)
-            continue; /* of none, or listed before */
+            continue; /* without a tetrahedron, or listed before */
         for (size_t k = 0; k < 3; k++)
             m->vertices[3 * m->head.vertices + k] = (float)m->coordinates[3 * i + k];
         *number = (uint32_t)(2 + m->head.vertices++);
@@ -138,7 +138,7 @@ static int number_vertices(mesh *m)
     return 0;
 }
 
-/* True if the view has one value per node. Values that it does not have stay 0. */
+/* Returns true if the view has one value per node. Missing values stay 0. */
 static int take_view(mesh *m, int view)
 {
     int error;
@@ -185,7 +185,8 @@ static int read_mesh(mesh *m, const char *path)
     if (failed(m, "Gmsh does not start", error))
         return 1;
     gmshOptionSetNumber("General.Terminal", 0, &error);
-    gmshOptionSetNumber("General.AbortOnError", 2, &error); /* errors become those of the call */
+    gmshOptionSetNumber("General.AbortOnError", 2, &error); /* errors become return values of the
+                                                             * calls */
     gmshMerge(path, &error);
     if (failed(m, "Gmsh cannot read it", error))
         return 1;
@@ -202,7 +203,7 @@ int main(int argc, char **argv)
         fprintf(stderr, "usage: bvhbench-gmsh FILE\n");
         return 2;
     }
-    /* what Gmsh prints must not get among the data */
+    /* Gmsh's output must not get between the data */
     int out = dup(STDOUT_FILENO);
     if (out < 0 || dup2(STDERR_FILENO, STDOUT_FILENO) < 0)
         return 2;
@@ -218,5 +219,5 @@ int main(int argc, char **argv)
         fwrite(m.tets, 4 * sizeof(uint32_t), m.head.tets, stream);
     }
     written = fclose(stream) == 0 && written;
-    _exit(written ? 0 : 2); /* Gmsh's own end is of no use, and may fail on what it has read */
+    _exit(written ? 0 : 2); /* Gmsh's own shutdown is useless, and may fail on the mesh */
 }
