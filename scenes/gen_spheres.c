@@ -119,8 +119,8 @@ static uint64_t fill_settled(uint64_t seed, uint64_t limit, int64_t base, float 
     return filler.count;
 }
 
-/* The smallest base that has room for n. A heap's cells grow with the cube of the base: about 1.26
- * b^3 for the five. */
+/* Finds the smallest base that has room for n. A heap's cells grow with the cube of the base: about
+ * 1.26 b^3 for the five. */
 static int64_t find_base(uint64_t seed, uint64_t n)
 {
     int64_t base = (int64_t)(bb_cube_root((double)n / 8.14 / 1.26) * 0.9);

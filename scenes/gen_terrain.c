@@ -1,5 +1,5 @@
 /* A height field of evenly sized triangles: five octaves of value noise on a regular grid. Flat,
- * open, and kind to Morton codes. */
+ * open, and easy for Morton codes. */
 #include "framework/base/random.h"
 #include "framework/scene/scene.h"
 
@@ -11,7 +11,7 @@ static const bb_option options_table[] = {
     {0},
 };
 
-static const double side = 100; /* scene units; heights are some tenth of it */
+static const double side = 100; /* in scene units; heights are about a tenth of it */
 enum { OCTAVES = 5, COARSEST = 4 };
 
 static double lattice(uint64_t seed, uint32_t octave, int64_t x, int64_t z)

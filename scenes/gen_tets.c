@@ -1,8 +1,8 @@
 /* A mesh of tetrahedra: cubes of a lattice, each cut into six around its diagonal (Kuhn 1960, "Some
- * Combinatorial Lemmas in Topology"), so that neighbours share their faces. Of a block of them, a
- * ball or a shell; `jitter` moves the corners, `grade` makes the cubes wider along x one by one.
- * What meshes should not have and do is made on request: tetrahedra listed the other way round,
- * some without a volume, and copies. */
+ * Combinatorial Lemmas in Topology"), so that neighbours share their faces. The cubes form a block,
+ * a ball or a shell; `jitter` moves the corners, `grade` makes each cube wider along x than the one
+ * before. Faults of real meshes are made on request: tetrahedra with reversed orientation, some
+ * without a volume, and copies. */
 #include "framework/base/random.h"
 #include "framework/scene/tets.h"
 
@@ -43,7 +43,7 @@ static bb_status read_options(const bb_spec *spec, const bb_option *options, lat
     return bb_spec_u64(spec, options, "seed", 0, UINT64_MAX, &l->seed);
 }
 
-/* Whether there is the cube whose lowest corner this is: by its centre, in half sides. */
+/* Returns whether the cube with this lowest corner exists: by its centre, in half sides. */
 static bool has_cube(const lattice *l, const uint64_t at[3])
 {
     int64_t square = 0, side = (int64_t)l->side;
@@ -83,8 +83,8 @@ static void put_vertices(const lattice *l, bb_scene *scene)
         }
 }
 
-/* The n-th of the six in a cube: from its lowest corner to its highest along the axes in an order;
- * every second order gives the other orientation. */
+/* Gets the n-th of the six in a cube: from its lowest corner to its highest along the axes in an
+ * order; every second order gives the other orientation. */
 static void cut(const lattice *l, const uint64_t cube[3], int n, uint32_t tet[4])
 {
     static const int orders[KUHN][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1},
@@ -107,7 +107,7 @@ static bool is_nth(uint64_t number, uint64_t n)
     return n != 0 && number % n == n - 1;
 }
 
-/* Adds it and what comes after it. `to` NULL: counts only. */
+/* Adds a tetrahedron and those that follow it. `to` NULL: counts only. */
 static void add(const lattice *l, uint64_t number, const uint32_t tet[4], uint32_t *to,
                 uint64_t *count)
 {

@@ -1,5 +1,5 @@
-/* A square bar, 1 x 1 x 6, that is twisted by up to two turns over its length: a bend as of bones
- * or of a finite element. */
+/* A square bar, 1 x 1 x 6, that is twisted by up to two turns over its length: a deformation like
+ * that of bones or of a finite element. */
 #include "scenes/repeatable.h"
 #include "scenes/tube.h"
 
@@ -10,7 +10,8 @@ static const bb_option options_table[] = {
 };
 
 static const double section[4][2] = {{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}};
-static const double length = 6, turn = 4 * 3.14159265358979323846; /* of the far end at last */
+static const double length = 6, turn = 4 * 3.14159265358979323846; /* of the far end in the last
+                                                                    * frame */
 
 static bb_status read_bar(const bb_spec *spec, const bb_option *options, uint32_t frame,
                           bb_tube *bar, bb_motion *motion)

@@ -1,8 +1,8 @@
 /* A sheet in strips that moves: it ripples, its strips slide against each other, and half of it
- * folds over the rest. What is near each other in frame 0 is so no longer in the last one: a tree
- * that is only fitted to it again gets worse from frame to frame.
+ * folds over the rest. Neighbours in frame 0 are no longer neighbours in the last frame: a tree
+ * that is only refitted gets worse from frame to frame.
  *
- * Everything is computed in doubles from + - * / alone and rounded once, so that it is the same on
+ * Everything is computed in doubles by + - * / only and rounded once, so that it is the same on
  * every machine: a ripple is made of parabolas, and a fold is turned by the tangent of half its
  * angle. */
 #include "framework/base/random.h"
@@ -19,7 +19,7 @@ static const bb_option options_table[] = {
 };
 
 static const double side = 100;    /* of the sheet in frame 0, in scene units */
-static const double slide = 40;    /* that a strip goes at most, either way */
+static const double slide = 40;    /* most that a strip moves, either way */
 static const double half_turn = 2; /* tangent of half the angle of the whole fold: 127 degrees */
 static const double wavelength = 27;
 
@@ -42,14 +42,14 @@ static bb_status read_sheet(const bb_spec *spec, const bb_option *options, sheet
     return BB_OK;
 }
 
-/* From -1 to 1 and back as x goes on by 1: two parabolas, smooth where they meet. */
+/* Goes from -1 to 1 and back as x grows by 1: two parabolas, smooth where they meet. */
 static double ripple(double x)
 {
     double u = x - floor(x);
     return u < 0.5 ? 16 * u * (0.5 - u) : -16 * (u - 0.5) * (1 - u);
 }
 
-/* Where (x, z) of strip `strip` is at `time`, 0 to 1. */
+/* Computes the position of (x, z) of strip `strip` at `time`, 0 to 1. */
 static void place(const sheet *s, uint64_t strip, double x, double z, double time, float *to)
 {
     bb_random random = bb_random_make(s->seed, strip);
@@ -81,7 +81,7 @@ static bb_status set_frame(const bb_spec *spec, const bb_option *options, bb_sce
     return BB_OK;
 }
 
-/* The quads of all strips; each strip has vertices of its own. */
+/* Puts the quads of all strips; each strip has its own vertices. */
 static void put_quads(const sheet *s, bb_scene *scene)
 {
     uint32_t *to = bb_scene_indices(scene), row = s->along + 1;

@@ -1,4 +1,4 @@
-/* The doors of the glTF loader: what it throws ends here. */
+/* The C interface of the glTF loader: exceptions end here. */
 #include "scenes/gltf_pose.hpp"
 
 extern "C" {
@@ -13,7 +13,7 @@ namespace bb_gltf
 {
 namespace
 {
-/* A document with its nodes in their places. Its parts refer to each other: it stays where it is.
+/* A document with its nodes placed. Its parts refer to each other, so it must not move in memory.
  */
 struct File {
     File(const char *name, const char *clip)

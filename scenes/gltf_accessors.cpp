@@ -1,5 +1,5 @@
 /* Accessors of a glTF model (glTF 2.0 specification, section 3.6.2): bounds, stride, sparse parts
- * and component types. tinygltf gives their members and checks none of this. */
+ * and component types. tinygltf returns their members and checks none of this. */
 #include "scenes/gltf_accessors.hpp"
 
 #include <algorithm>
@@ -11,7 +11,7 @@ namespace bb_gltf
 {
 namespace
 {
-constexpr uint64_t dataless_limit = 1u << 24; /* elements of an accessor that has no data at all */
+constexpr uint64_t dataless_limit = 1u << 24; /* elements of an accessor without any data */
 
 uint64_t bytes_of(int component)
 {
@@ -45,7 +45,7 @@ uint32_t read_unsigned(const unsigned char *at, int component)
     return word;
 }
 
-/* Integers as KHR_mesh_quantization reads them: c, or c over the largest value, not below -1. */
+/* Reads integers as KHR_mesh_quantization defines: c, or c over the largest value, at least -1. */
 double read_number(const unsigned char *at, int component, bool normalised)
 {
     double value, largest;
@@ -71,7 +71,8 @@ double read_number(const unsigned char *at, int component, bool normalised)
 
 } // namespace
 
-/* Where `count` elements of `element` bytes lie, checked against view and buffer without overflow.
+/* Returns the position of `count` elements of `element` bytes, checked against view and buffer
+ * without overflow.
  */
 const unsigned char *Accessors::view_bytes(int number, uint64_t offset, uint64_t count,
                                            uint64_t element, uint64_t *stride,
@@ -178,7 +179,7 @@ void Accessors::check_indices(int number, const std::string &what) const
     elements(number, what);
 }
 
-/* The elements that the sparse part replaces: strictly rising, in range. */
+/* Returns the elements that the sparse part replaces: strictly increasing, in range. */
 std::vector<uint32_t> Accessors::sparse_indices(const tinygltf::Accessor &accessor,
                                                 const std::string &what) const
 {
@@ -221,7 +222,7 @@ void Accessors::read_numbers(int number, const std::string &what, const Put &put
     size_t next = 0;
     for (uint64_t element = 0; element < from.count; element++) {
         if (next < replaced.size() && replaced[next] == element)
-            next++; /* a replaced element counts with its new value only */
+            next++; /* only the new value of a replaced element counts */
         else
             read(element, from.data != nullptr ? from.data + element * from.stride : nullptr);
     }

@@ -8,11 +8,12 @@
 
 namespace bb_gltf
 {
-/* `what` names the accessor in messages. All fail on data that are not there or of a wrong kind. */
+/* `what` names the accessor in messages. All functions fail if data are missing or of a wrong
+ * kind. */
 class Accessors
 {
   public:
-    /* Takes an element and its numbers as they are in the file, a matrix column by column. */
+    /* Receives an element and its numbers as in the file, a matrix column by column. */
     using Put = std::function<void(uint64_t element, const double *numbers)>;
 
     /* Kinds of numbers that an accessor may hold. */
@@ -29,18 +30,18 @@ class Accessors
 
     void check_positions(int accessor, const std::string &what) const;
     void check_indices(int accessor, const std::string &what) const;
-    /* `type` is TINYGLTF_TYPE_..., `kinds` are bits, `must` says both. */
+    /* `type` is TINYGLTF_TYPE_..., `kinds` are bits, `must` describes both. */
     void check_numbers(int accessor, const std::string &what, int type, unsigned kinds,
                        const char *must) const;
     uint64_t count(int accessor) const;
-    /* Elements that the file has data of: the others are zero. */
+    /* Returns the number of elements with data in the file: the others are zero. */
     uint64_t given(int accessor) const;
-    /* Each element once, in no order. */
+    /* Passes each element once, in no particular order. */
     void read_numbers(int accessor, const std::string &what, const Put &put) const;
     std::vector<uint32_t> read_indices(int accessor, const std::string &what) const;
 
   private:
-    /* The elements of an accessor where they lie; data NULL: all zero. */
+    /* The elements of an accessor in memory; data NULL: all zero. */
     struct Elements {
         const unsigned char *data;
         uint64_t count;

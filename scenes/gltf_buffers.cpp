@@ -1,8 +1,8 @@
 /* Files and buffers of a glTF file (glTF 2.0 specification, sections 2.8 and 3.6.1).
  *
- * Every size is known before any memory is taken: that of a file by fstat, that of a data URI from
- * its text. Buffers get byteLength bytes and no more, equal uris are read once, and all of it
- * together must fit into three quarters of the host's memory, the limit that holds for scenes.
+ * Every size is known before any memory is allocated: that of a file by fstat, that of a data URI
+ * from its text. Buffers get exactly byteLength bytes, equal uris are read once, and everything
+ * together must fit into three quarters of the host's memory, the limit for scenes.
  */
 #include "scenes/gltf_parts.hpp"
 
@@ -35,7 +35,7 @@ Memory allocate(uint64_t bytes, const std::string &what)
     return Memory(memory, bb_host_free);
 }
 
-/* Adds to what the file takes. */
+/* Adds to the bytes that the file needs. */
 void add(const std::string &path, uint64_t bytes, uint64_t &total)
 {
     const uint64_t limit = bb_host_limit();
@@ -91,7 +91,7 @@ bool is_hex(char c)
     return isxdigit(static_cast<unsigned char>(c)) != 0;
 }
 
-/* The byte at `at`, %41 or A, and moves on. */
+/* Reads the byte at `at`, %41 or A, and moves on. */
 unsigned char take_byte(std::string_view text, size_t &at)
 {
     const auto digit = [&](size_t i) {
@@ -121,7 +121,8 @@ bool is_data(const std::string &uri)
     return scheme_size(uri) == 5 && strncasecmp(uri.c_str(), "data:", 5) == 0;
 }
 
-/* The path of the file that a uri names: one below the folder of the glTF file at `path`. */
+/* Returns the path of the file that a uri names, which must be below the folder of the glTF file at
+ * `path`. */
 std::string file_path(const std::string &path, const BufferRequest &request)
 {
     const std::string &uri = *request.uri;
@@ -176,7 +177,7 @@ DataUri split_data_uri(const std::string &path, const BufferRequest &request)
     return out;
 }
 
-/* Piece by piece, since tinygltf copies what it decodes several times. */
+/* Decodes piece by piece, since tinygltf copies what it decodes several times. */
 void decode_base64(std::string_view payload, uint64_t bytes, unsigned char *to,
                    const std::string &what)
 {
@@ -207,11 +208,11 @@ Memory decode(const DataUri &data, uint64_t bytes, const std::string &what)
 
 /* ---- all buffers ---- */
 
-/* What several buffers may share. */
+/* A source that several buffers may share. */
 struct Source {
     const BufferRequest *request; /* the first that names it */
     std::string path;             /* of the file; empty for a data URI */
-    uint64_t size;                /* that there is */
+    uint64_t size;                /* available size */
     uint64_t length = 0;          /* the largest byteLength */
     Memory memory;
 };

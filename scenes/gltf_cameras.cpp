@@ -1,5 +1,5 @@
-/* Cameras of glTF nodes (glTF 2.0 specification, section 3.10) as views. They are no geometry: one
- * that is damaged is left out, and the file is read all the same. */
+/* Cameras of glTF nodes (glTF 2.0 specification, section 3.10) as views. Since they are not
+ * geometry, a damaged one is left out, and the file is read nevertheless. */
 #include "scenes/gltf_nodes.hpp"
 #include "scenes/gltf_parts.hpp"
 
@@ -15,7 +15,7 @@ using nlohmann::json;
 
 namespace
 {
-/* Null for what is not there. */
+/* Returns null for a missing member. */
 const json &member(const json &object, const char *key)
 {
     static const json none;
@@ -29,14 +29,14 @@ std::string text_in(const json &object, const char *key)
     return value.is_string() ? value.get<std::string>() : std::string();
 }
 
-/* 0 for what is no number. */
+/* Returns 0 if the member is not a number. */
 double number_in(const json &object, const char *key)
 {
     const json &value = member(object, key);
     return value.is_number() ? value.get<double>() : 0;
 }
 
-/* The nodes of the default scene; of all scenes, if the file names none. */
+/* Returns the nodes of the default scene; those of all scenes if the file names no default. */
 std::vector<int> shown_nodes(const tinygltf::Model &model, const Placement &placement)
 {
     const int scene = model.defaultScene;
@@ -54,7 +54,8 @@ std::vector<int> shown_nodes(const tinygltf::Model &model, const Placement &plac
     return order;
 }
 
-/* From the node's origin along its -z, y being up. False if that leads nowhere. */
+/* Looks from the node's origin along its -z, with y up. Returns false if that gives no
+ * direction. */
 bool place(const Camera &camera, const Transform &t, bb_view &view)
 {
     double length = 0, far = 1;

@@ -1,5 +1,5 @@
-/* Channels of an animation (glTF 2.0 specification, section 3.11): their keyframes are read once
- * and checked, and then sampled. */
+/* Channels of an animation (glTF 2.0 specification, section 3.11): keyframes are read and checked
+ * once, and then sampled. */
 #include "scenes/gltf_clip.hpp"
 
 #include <algorithm>
@@ -22,7 +22,7 @@ Clip::Clip(const char *path, const Document &document, const Accessors &accessor
     }
 }
 
-/* Many channels may share one accessor of the file. */
+/* Counts memory, since many channels may share one accessor of the file. */
 void Clip::take(uint64_t numbers)
 {
     bytes_ += numbers * sizeof(double);
@@ -34,8 +34,8 @@ void Clip::take(uint64_t numbers)
              static_cast<unsigned long long>(bb_host_limit()));
 }
 
-/* Few elements may be zero, as those are that the file has no data of: they rise. Seen before there
- * is memory for them. */
+/* Times increase, so few elements can be zero, as elements without data in the file are. This is
+ * checked before memory is allocated for them. */
 void Clip::read_times(int accessor, const std::string &what, Track &track)
 {
     accessors_.check_numbers(accessor, what + ", times", TINYGLTF_TYPE_SCALAR, Accessors::floats,
@@ -55,7 +55,8 @@ void Clip::read_times(int accessor, const std::string &what, Track &track)
                  path_, what.c_str(), key, track.times[key]);
 }
 
-/* An accessor's element has `numbers` numbers: a vector, a quaternion, or one weight of several. */
+/* An element of the accessor has `numbers` numbers: a vector, a quaternion, or one weight of
+ * several. */
 void Clip::read_values(int accessor, const std::string &what, uint64_t numbers, Track &track)
 {
     const uint64_t count = accessors_.count(accessor);
@@ -77,7 +78,8 @@ void Clip::read_values(int accessor, const std::string &what, uint64_t numbers, 
                  what.c_str(), static_cast<unsigned long long>(i / (per_key * track.width)));
 }
 
-/* As of a node's own rotation; those that are interpolated on arcs get the length of 1. */
+/* The same check as for a node's own rotation; rotations that are interpolated on arcs are
+ * normalised. */
 void Clip::check_rotations(const std::string &what, Track &track) const
 {
     const bool cubic = track.interpolation == Interpolation::cubic;

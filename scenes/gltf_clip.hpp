@@ -16,7 +16,7 @@ class Clip
     /* Reads and checks the keyframes of the document's clip. */
     Clip(const char *path, const Document &document, const Accessors &accessors);
 
-    /* Seconds: the first and the last keyframe of all channels. */
+    /* In seconds: the first and the last keyframe of all channels. */
     double start() const
     {
         return start_;
@@ -25,8 +25,8 @@ class Clip
     {
         return end_;
     }
-    /* Moves the nodes of the model, and the weights of those whose weights are animated. `what`
-     * names the time in messages. Fails where a spline of rotations passes through 0. */
+    /* Moves the nodes of the model, and sets the weights of those whose weights are animated.
+     * `what` names the time in messages. Fails where a spline of rotations passes through 0. */
     void set(double time, const std::string &what, tinygltf::Model &model,
              NodeWeights &weights) const;
 

@@ -1,7 +1,7 @@
-/* From a .gltf or .glb file to tinygltf's model of it (glTF 2.0 specification, Khronos, chapters 3
- * to 5). tinygltf gets the JSON as it is in the file. What it lets pass is refused before; which
- * checks these are and what tinygltf does without them: scenes/README.md, and
- * tests/test_gltf_faults.cpp. */
+/* Makes tinygltf's model from a .gltf or .glb file (glTF 2.0 specification, Khronos, chapters 3 to
+ * 5). tinygltf gets the JSON as in the file. Faults that it accepts are refused beforehand;
+ * scenes/README.md and tests/test_gltf_faults.cpp list these checks and what tinygltf does without
+ * them. */
 #include "scenes/gltf_parts.hpp"
 
 #include <nlohmann/json.hpp>
@@ -32,7 +32,7 @@ void fail(bb_status status, const char *format, ...)
 
 namespace
 {
-/* Of nested JSON: tinygltf recurses over extras and extensions. */
+/* Limit for nested JSON: tinygltf recurses over extras and extensions. */
 constexpr int depth_limit = 128;
 
 uint32_t little_endian(const unsigned char *bytes)
