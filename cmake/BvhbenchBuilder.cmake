@@ -1,15 +1,15 @@
-# What the project uses for its own builders, and what an installed bvhbench gives to plug-ins.
+# CMake functions for the project's own builders and, from an installed bvhbench, for plug-ins.
 #
 #   bvhbench_add_builder(NAME [SOURCE_DIR dir] [INTO target])
 #
-# Compiles NAME.c and any other .c of the folder, and embeds its device files: all .cl and .clh, and the
-# headers NAME_shared.h that host and device share. With INTO, the builder becomes a part of that
-# library; without, a shared object NAME.so for `bvhbench --plugin`. The sources are the same for both:
-# they define `const bb_builder bb_builder_NAME`, with '_' for each '-' of the name.
+# Compiles NAME.c and any other .c of the folder, and embeds its device files: all .cl and .clh, and
+# the headers NAME_shared.h that host and device share. With INTO, the builder becomes part of that
+# library; without, a shared object NAME.so for `bvhbench --plugin`. The sources are the same for
+# both: they define `const bb_builder bb_builder_NAME`, with '_' for each '-' of the name.
 
 set(BVHBENCH_CMAKE_DIR ${CMAKE_CURRENT_LIST_DIR})
 
-# What all code of the project is compiled with, and plug-ins too. The same float result on every
+# Flags for all code of the project, and for plug-ins. They give the same float results on every
 # compiler: no contraction, no relaxed math.
 set(BVHBENCH_COMPILE_OPTIONS -Wall -Wextra -Wpedantic -ffp-contract=off)
 set(BVHBENCH_COMPILE_DEFINITIONS _GNU_SOURCE)
@@ -18,7 +18,7 @@ set(BVHBENCH_LANGUAGE_PROPERTIES
     CXX_STANDARD 17 CXX_STANDARD_REQUIRED ON CXX_EXTENSIONS OFF CXX_VISIBILITY_PRESET hidden
     VISIBILITY_INLINES_HIDDEN ON)
 
-# Makes such properties the defaults of all targets to come.
+# Makes these properties the defaults of all later targets.
 macro(bvhbench_language)
     set(bvhbench_properties ${ARGN})
     while(bvhbench_properties)
@@ -27,7 +27,8 @@ macro(bvhbench_language)
     endwhile()
 endmacro()
 
-# Makes `variable` a C symbol that holds the texts of the files, one after the other, by way of the assembler's .incbin.
+# Makes `variable` a C symbol that contains the texts of the files, one after the other, by the
+# assembler's .incbin.
 function(bvhbench_incbin output variable)
     set(parts "")
     foreach(file IN LISTS ARGN)
@@ -57,9 +58,9 @@ function(bvhbench_write_if_changed path text)
     file(REMOVE ${path}.new)
 endfunction()
 
-# `text`: declarations, and rows of a table of bb_source, of device files, which are embedded by `target`.
-# `folder`: the C name of that table, 0 for none. A file's name is its own
-# within the target; of two plug-ins that is seen to when they are loaded.
+# `text`: declarations and rows of a table of bb_source for device files, which `target` embeds.
+# `folder`: the C name of that table, 0 for none. A file's name is unique within the target; loading
+# checks it between plug-ins.
 function(bvhbench_embed_device_files target folder text rows)
     set(declarations "")
     set(table "")
@@ -172,7 +173,7 @@ function(bvhbench_generate_table target pattern type table header)
     target_sources(${target} PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/generated/${table}.c)
 endfunction()
 
-# bb_embedded_sources[]: the device files of kernels/ and builders/common by their names.
+# bb_embedded_sources[]: the device files of kernels/ and builders/common by name.
 function(bvhbench_embed_sources target)
     bvhbench_embed_device_files(${target} 0 declarations rows ${ARGN})
     set(output ${CMAKE_CURRENT_BINARY_DIR}/generated/embedded_sources.c)
@@ -193,7 +194,7 @@ function(bvhbench_embed_report target)
     set(output ${CMAKE_CURRENT_BINARY_DIR}/generated/embedded_chart_js.c)
     bvhbench_incbin(${output} bb_text_chart_js ${CHART_JS})
     target_sources(${target} PRIVATE ${output})
-    # Scripts in parts, in this order: what a part uses stands in it or before it.
+    # Parts of scripts, in this order: a part only uses itself and earlier parts.
     set(shown ../../show/page)
     set(report_html report.html)
     set(report_js ${shown}/dom.js data.js series.js draw.js tables.js charts.js verdict.js predict.js page.js)
@@ -241,7 +242,7 @@ ${table}    {0, 0},
     target_sources(${target} PRIVATE ${output})
 endfunction()
 
-# Revision, version and flags, as they are at build time.
+# Revision, version and flags at build time.
 function(bvhbench_build_info target)
     string(TOUPPER "${CMAKE_BUILD_TYPE}" type)
     get_directory_property(options COMPILE_OPTIONS)

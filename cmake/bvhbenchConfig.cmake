@@ -1,4 +1,5 @@
-# An optimised plug-in unless its author says otherwise: it is compared with builders that are.
+# Optimises a plug-in unless its author says otherwise, since it is compared with optimised
+# builders.
 if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
     set(CMAKE_BUILD_TYPE Release CACHE STRING "Kind of build" FORCE)
 endif()

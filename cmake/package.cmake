@@ -1,5 +1,6 @@
-# The Debian package that `cpack -G DEB` makes in a build folder, from what is installed. It depends
-# on the libraries that the files are linked with (dpkg-shlibdeps); a driver can be any OpenCL ICD.
+# The Debian package that `cpack -G DEB` makes in a build folder from the installed files. It
+# depends on the libraries that the files are linked with (dpkg-shlibdeps); any OpenCL ICD can be
+# the driver.
 set(CPACK_PACKAGE_NAME bvhbench)
 set(CPACK_PACKAGE_VENDOR "the authors of bvhbench")
 set(CPACK_PACKAGE_CONTACT "the authors of bvhbench <bvhbench@localhost>")

@@ -1,15 +1,14 @@
-/* Mixtures of spheres, after the two states of the particle simulation in Gu, Jendersie, Grosch:
- * Fast and Dynamic Construction of Bounding Volume Hierarchies based on Loose Octrees (VMV 2018),
- * section 4.1 and figure 5. The simulation is not published; these have the properties that the
- * text names.
+/* Mixtures of spheres, modelled after the two states of the particle simulation in Gu, Jendersie,
+ * Grosch: Fast and Dynamic Construction of Bounding Volume Hierarchies based on Loose Octrees (VMV
+ * 2018), section 4.1 and figure 5. The simulation is not published; these scenes have the
+ * properties that the text names.
  *
- * initial: centres uniform in the unit cube, radii even over their logarithm from 1 to 16, and as
- * much volume in spheres as twice the cube, so that they overlap a lot and sizes are mixed
- * everywhere.
+ * initial: centres uniform in the unit cube, radii uniform over their logarithm from 1 to 16, and a
+ * total volume of twice the cube, so that they overlap a lot and sizes are mixed everywhere.
  *
- * settled: overlap is minimal and the distribution is not uniform any more. Five heaps of different
- * size on a floor are filled with cells from the bottom; some cells are cut into eight, and some of
- * those again; each cell holds one sphere that about fills it, a little off its middle.
+ * settled: overlap is minimal and the distribution no longer uniform. Five heaps of different sizes
+ * on a floor are filled with cells from the bottom; some cells are divided into eight, and some of
+ * those again; each cell contains one sphere that about fills it, slightly off its middle.
  */
 #include "framework/base/random.h"
 #include "framework/scene/scene.h"
@@ -45,7 +44,7 @@ static void fill_initial(uint64_t seed, uint32_t n, float *to)
         double radius = initial_radius(&radii);
         cubes += radius * radius * radius;
     }
-    /* 4/3 pi r^3 summed must be the volume. */
+    /* The sum of 4/3 pi r^3 must be the volume. */
     double scale = bb_cube_root(volume / 4.1887902047863905 * (1e15 / cubes)) * 1e-5;
     radii = bb_random_make(seed, 3);
     bb_random places = bb_random_make(seed, 4);
@@ -61,7 +60,8 @@ static void fill_initial(uint64_t seed, uint32_t n, float *to)
 
 enum { HEAPS = 5, CUTS = 2 };
 
-/* Place on the floor and radius of the base, in radii of the largest heap; they don't touch. */
+/* Position on the floor and radius of the base, in radii of the largest heap; the heaps do not
+ * touch. */
 static const double heaps[HEAPS][3] = {
     {1.4, 1.0, 1}, {3.4, 1.3, 0.8}, {1.8, 2.9, 0.65}, {3.5, 3.2, 0.5}, {0.1, 2.0, 0.35}};
 
@@ -70,7 +70,7 @@ typedef struct filler {
     float *to;      /* NULL: only count */
     uint64_t count; /* spheres so far */
     uint64_t limit;
-    double cell; /* scene units */
+    double cell; /* in scene units */
 } filler;
 
 static void fill_cell(filler *filler, const double lo[3], double size, int cuts)
@@ -108,8 +108,8 @@ static void fill_layer(filler *filler, const double heap[3], int64_t base, int64
             }
 }
 
-/* Fills heaps whose largest has a base of `base` cells; returns the spheres that there were, at
- * most `limit`. */
+/* Fills heaps whose largest has a base of `base` cells; returns the number of spheres, at most
+ * `limit`. */
 static uint64_t fill_settled(uint64_t seed, uint64_t limit, int64_t base, float *to)
 {
     filler filler = {bb_random_make(seed, 5), to, 0, limit, 0.25 / (double)base};

@@ -1,14 +1,14 @@
-/* A tracer that is no plug-in of bvhbench: brute force, every ray against every primitive, in
+/* A tracer that is not a plug-in of bvhbench: brute force, every ray against every primitive, in
  * double precision.
  *
  *     outside_tracer RAYS HITS [careless]
  *
- * reads the rays file that `bvhbench rays` wrote, writes the hits file that `bvhbench judge` takes,
- * and prints its speed. It needs the C library and framework/exchange/exchange.h, which is the
- * format of both files. A real tracer would build its tree over the primitives where this one
- * begins to trace.
+ * reads the rays file that `bvhbench rays` wrote, writes a hits file for `bvhbench judge`, and
+ * prints its speed. It needs the C library and framework/exchange/exchange.h, which defines the
+ * format of both files. A real tracer would build its tree over the primitives before it begins to
+ * trace.
  *
- * With `careless` it does what many a tutorial does: the same test in single precision, with an
+ * With `careless` it makes a mistake of many tutorials: the same test in single precision, with an
  * absolute epsilon on the determinant. The judge finds out.
  */
 #include "framework/exchange/exchange.h"
@@ -46,7 +46,7 @@ static void *read_array(FILE *file, uint64_t count, size_t size)
     return NULL;
 }
 
-/* Counts and hashes are the judge's business; what this tracer relies on is checked here. */
+/* The judge checks counts and hashes; this checks what the tracer relies on. */
 static bool read_header(FILE *file, const char *path, bb_rays_header *h)
 {
     if (fread(h, sizeof *h, 1, file) != 1 || memcmp(h->magic, BB_RAYS_MAGIC, sizeof h->magic) != 0)
@@ -96,7 +96,7 @@ static bool write_hits(const char *path, const work *w, bool careless)
         .byte_order = BB_EXCHANGE_ORDER,
         .header_bytes = sizeof h,
         .hit_count = w->header.ray_count,
-        .scene_hash = w->header.scene_hash, /* repeated: these are the answers to those rays */
+        .scene_hash = w->header.scene_hash, /* repeated, to show which rays the answers belong to */
         .rays_hash = w->header.rays_hash,
         .checksum = 0, /* none */
     };
@@ -140,7 +140,7 @@ static double hit_triangle(const work *w, uint32_t triangle, const bb_ray *ray)
     return (e2[0] * q[0] + e2[1] * q[1] + e2[2] * q[2]) / det;
 }
 
-/* The same in single precision, and with an epsilon that knows nothing of the scene's size. */
+/* The same in single precision, and with an epsilon that ignores the scene's size. */
 static double hit_triangle_carelessly(const work *w, uint32_t triangle, const bb_ray *ray)
 {
     const uint32_t *corner = w->indices[triangle];
@@ -167,7 +167,7 @@ static double hit_triangle_carelessly(const work *w, uint32_t triangle, const bb
     return (e2[0] * q[0] + e2[1] * q[1] + e2[2] * q[2]) / det;
 }
 
-/* The nearer root beyond tmin: from inside, the far side. */
+/* Returns the nearer root beyond tmin: from inside, the far side. */
 static double hit_sphere(const float *sphere, const bb_ray *ray)
 {
     double d[3], m[3], dd = 0, dm = 0;
@@ -177,8 +177,7 @@ static double hit_sphere(const float *sphere, const bb_ray *ray)
         dd += d[k] * d[k];
         dm += d[k] * m[k];
     }
-    double middle = dm / dd,
-           distance = 0; /* of the point of the line that is nearest to the centre */
+    double middle = dm / dd, distance = 0; /* distance of the line's point nearest to the centre */
     for (int k = 0; k < 3; k++)
         distance += (m[k] - middle * d[k]) * (m[k] - middle * d[k]);
     double square = ((double)sphere[3] * sphere[3] - distance) / dd;

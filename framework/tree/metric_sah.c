@@ -3,8 +3,8 @@
  *   (1 / A(root)) (sum over inner nodes Ct children/2 A(n) + sum over leaves Ci |refs| A(n))
  *
  * Ct = 1.2, Ci = 1, the constants of the extended-Morton-code paper (Vinkler, Bittner, Havran
- * 2017); children/2 so that wide trees don't win by definition. Duplicated references count each
- * time. Half areas serve: the factor 2 cancels.
+ * 2017); children/2 so that wide trees do not win by definition. Duplicated references count each
+ * time. Half areas are used, since the factor 2 cancels.
  */
 #include "framework/tree/metric.h"
 #include "framework/tree/tree_walk.h"
