@@ -42,7 +42,7 @@ static void what_was_measured_is_found(void **state)
     rate.per = "trace_ms";
     rate.scale = 1e-3;
     assert_true(fabs(value_at(&f, flat, rate) - 2000 / 24e3) < 1e-12);
-    boxes.what = "node_tests";
+    boxes.what = "node_tests_per_ray";
     assert_true(value_at(&f, flat, boxes) == 15);
     trace.base = var;
     assert_true(value_at(&f, flat, trace) == 4);
@@ -94,7 +94,101 @@ static void means_leave_out_what_is_missing(void **state)
     bb_results_destroy(results);
 }
 
+static void texts_have_figures(void **state)
+{
+    (void)state;
+    bb_results *results = new_results();
+    add_build(results, flat, "emc", 2, 1);
+    add_build(results, cubic, "emc", 4, 1);
+    add_build(results, flat, "lbvh", 1, 1);
+    add_build(results, cubic, "lbvh", 8, 1);
+    bb_findings f = findings_of(results, 0);
+    static const bb_entrant row = {.name = "the row", .builder = "e$", .base = "lbvh"};
+    static const bb_figure over = {.what = "sah", .builder = "$mc", .base = "="},
+                           inverse = {.what = "sah",
+                                      .builder = "$mc",
+                                      .base = "=",
+                                      .inverse = true},
+                           growth = {.what = "sah", .builder = "emc", .previous = true};
+    static const bb_figure *const figures[] = {&over, &inverse, &growth};
+    bb_paper_place at = {.all = &f, .row = &row, .view = -1};
+    static const struct {
+        char *scene; /* NULL: the mean */
+        const char *text, *said;
+    } cases[] = {
+        {flat, "{row}, {scene}: {0.2}, {0%0}, {1.1}", "the row, flat: 2.00, +100 %, 0.5"},
+        {cubic, "{0} {0%1} {2.1}", "0.500 -50.0 % 2.0"},
+        {flat, "{2}", "not measured"}, /* there is none before */
+        {flat, "{0#} measured, {0<1} below, {0>1} above", "2 measured, 1 below, 1 above"},
+        {NULL, "{0} {0!} {0~}", "1.250 100.0 % 1.25 on average, 0.5 (cubic) to 2 (flat)"},
+        {NULL, "{0/}", "1.250 on average, 0.50 to 2.00"},
+        {flat, "no figure", "no figure"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        bb_words words = {0};
+        at.scene = cases[i].scene;
+        bb_say_text(&words, cases[i].text, at, figures);
+        assert_string_equal(words.text, cases[i].said);
+    }
+    bb_results_destroy(results);
+}
+
 /* ---- claims ---- */
+
+/* How often each verdict is given, by tests of made-up claims. */
+static void tests_of_claims_decide(void **state)
+{
+    (void)state;
+    bb_results *results = new_results();
+    add_build(results, flat, "emc", 2, 1);
+    add_build(results, cubic, "emc", 4, 1);
+    add_build(results, flat, "lbvh", 1, 1);
+    add_build(results, cubic, "lbvh", 8, 1);
+    bb_findings f = findings_of(results, 0);
+    static const bb_figure over = {.what = "sah", .builder = "emc", .base = "lbvh"},
+                           back = {.what = "sah", .builder = "lbvh", .base = "emc"},
+                           none = {.what = "sah", .builder = "sah"};
+    static const bb_paper_numbers theirs[] = {{.numbers = {3}}, {.numbers = {0.8}}};
+    static const struct {
+        bb_test test;
+        uint32_t scenes;
+        const char *verdict;
+    } cases[] = {
+        {{.side = BB_ABOVE, .bound = 1.2}, 0, "held"}, /* the mean is 1.25 */
+        {{.side = BB_BELOW, .bound = 1.25}, 0, "not held"},
+        {{.side = BB_AT_MOST, .bound = 1.25}, 2, "held"},
+        {{.side = BB_AT_MOST, .bound = 1.25}, 3, "cannot be tested here"},
+        {{.over = BB_LEAST, .side = BB_BELOW, .bound = 0.6}, 0, "held"},
+        {{.over = BB_MOST, .side = BB_BELOW, .bound = 1.9}, 0, "not held"},
+        {{.over = BB_EACH, .side = BB_AT_LEAST, .bound = 0.5}, 0, "held"},
+        {{.over = BB_EACH, .side = BB_ABOVE, .bound = 0.5}, 0, "not held"},
+        {{.over = BB_MOST_OF, .side = BB_BELOW, .bound = 1}, 0, "not held"}, /* one of two */
+        {{.over = BB_MORE, .side = BB_BELOW, .bound = 1}, 0, "not held"},
+        {{.over = BB_MORE, .side = BB_BELOW, .bound = 0.1}, 0, "not held"},
+        {{.over = BB_EACH, .side = BB_ABOVE, .bound = 0.6, .paper = theirs}, 0, "held"},
+        {{.over = BB_EACH, .side = BB_ABOVE, .bound = 0.7, .paper = theirs}, 0, "not held"},
+        {{.side = BB_AT_LEAST, .than = 2}, 0, "held"}, /* both means are 1.25 */
+        {{.side = BB_ABOVE, .than = 2}, 0, "not held"},
+        {{.figure = 2, .side = BB_ABOVE, .bound = 0}, 0, "cannot be tested here"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const bb_paper_claim claims[] = {{.text = "made up",
+                                          .paper = "",
+                                          .figures = {&over, &back, &none},
+                                          .tests = {cases[i].test},
+                                          .scenes = cases[i].scenes},
+                                         {.text = NULL}};
+        const bb_paper_table tables[] = {{.title = NULL}};
+        const bb_paper paper = {
+            .name = "made-up", .title = "", .tables = tables, .claims = {claims}};
+        assert_int_equal(bb_reproduction_add(&paper, &f, results), BB_OK);
+        const cJSON *all = cJSON_GetObjectItem(bb_results_json(results), "reproductions");
+        const char *verdict = verdict_with(cJSON_GetArrayItem(all, (int)i), "made up");
+        if (strcmp(verdict, cases[i].verdict) != 0)
+            fail_msg("case %zu: %s", i, verdict);
+    }
+    bb_results_destroy(results);
+}
 
 static void claims_follow_the_figures(void **state)
 {
@@ -308,7 +402,7 @@ static void quick_papers_run(void **state)
             fail_msg("reproduce %s: exit %d, %s", arguments, exit_status,
                      text_of(folder, "stderr"));
         assert_non_null(strstr(text_of(folder, "stdout"), "claims: "));
-        assert_non_null(strstr(text_of(folder, "stdout"), "    undecided: too few rounds\n"));
+        assert_non_null(strstr(text_of(folder, "stdout"), "\nundecided: too few rounds\n"));
         snprintf(path, sizeof path, "%s/out/results.json", folder);
         bb_results *results = NULL;
         assert_int_equal(bb_results_read(path, &results), BB_OK);
@@ -352,6 +446,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_was_measured_is_found),
         cmocka_unit_test(means_leave_out_what_is_missing),
+        cmocka_unit_test(texts_have_figures),
+        cmocka_unit_test(tests_of_claims_decide),
         cmocka_unit_test(claims_follow_the_figures),
         cmocka_unit_test(tables_have_both_sides),
         cmocka_unit_test(reproductions_survive_the_file_and_merging),

@@ -101,7 +101,10 @@ static bb_claim_verdict run_test(const trial *t, const bb_test *test)
 
 static uint32_t count_of(const bb_paper_claim *claim)
 {
-    return claim->test_count > 0 ? claim->test_count : 1;
+    uint32_t count = 0;
+    while (count < BB_CLAIM_TESTS && claim->tests[count].side != BB_NO_SIDE)
+        count++;
+    return count;
 }
 
 static bb_claim_verdict run_tests(const trial *t)

@@ -1,25 +1,17 @@
 /* What a contest measured, as rows of a paper's table. */
 #include "framework/papers/contests.h"
 
-#define EXACT(name_, help_)                                                                        \
-    {                                                                                              \
-        .name = name_, .heading = name_, .unit = "", .help = help_                                 \
-    }
-#define ROUNDS(name_, help_)                                                                       \
-    {                                                                                              \
-        .name = name_, .heading = name_, .unit = "ms", .help = help_, .kind = BB_COLUMN_ROUNDS,    \
-        .sense = BB_SENSE_TIMED                                                                    \
-    }
-static const bb_column build_ms = ROUNDS("build_ms", "Building the tree."),
-                       layout_ms = ROUNDS("layout_ms", "Making the layout."),
-                       answer_ms = ROUNDS("answer_ms", "All answers."),
-                       phase_ms = ROUNDS("phase_ms", "A phase of the build."),
-                       nodes = EXACT("nodes", "Nodes of the tree."),
-                       references = EXACT("references", "References in its leaves."),
-                       bytes = EXACT("bytes", "Bytes of the tree."),
-                       visits = EXACT("visits", "Nodes visited for an item."),
-                       work = EXACT("work", "Primitives tested, or samples, of an item."),
-                       differ = EXACT("differ", "Items whose answers differ from the first way's.");
+static const bb_column build_ms = BB_FOUND_ROUNDS("build_ms", "Building the tree."),
+                       layout_ms = BB_FOUND_ROUNDS("layout_ms", "Making the layout."),
+                       answer_ms = BB_FOUND_ROUNDS("answer_ms", "All answers."),
+                       phase_ms = BB_FOUND_ROUNDS("phase_ms", "A phase of the build."),
+                       nodes = BB_FOUND_NUMBER("nodes", "Nodes of the tree."),
+                       references = BB_FOUND_NUMBER("references", "References in its leaves."),
+                       bytes = BB_FOUND_NUMBER("bytes", "Bytes of the tree."),
+                       visits = BB_FOUND_NUMBER("visits", "Nodes visited for an item."),
+                       work = BB_FOUND_NUMBER("work", "Primitives tested, or samples, of an item."),
+                       differ = BB_FOUND_NUMBER("differ",
+                                                "Items whose answers differ from the first way's.");
 
 static void add_way(bb_table *table, bb_cell cell, const bb_contest_way *way)
 {

@@ -136,7 +136,6 @@ const bb_paper_claim bb_emc_other_claims[] = {
      OF_METHODS(1 << EMC_ATRBVH),
      .figures = {&atrbvh_sort, &atrbvh_var},
      .tests = {BB_TEST(0, BB_BELOW, EMC_BUILD_TARGET), BB_TEST(1, BB_BELOW, EMC_BUILD_TARGET)},
-     .test_count = 2,
      .ours = {{.text = EMC_PAIRED "EMC-64-sort {0}, EMC-64-var {1}"}}},
     LOWER(EMC_HLBVH, "5.4", "0.84 on average"),
     LOWER(EMC_AAC_HQ, "5.4; the paper does not say which AAC", "0.89 on average"),
@@ -154,7 +153,6 @@ const bb_paper_claim bb_emc_other_claims[] = {
      OF_METHODS(UNPUBLISHED),
      .figures = {&bb_emc_inside[EMC_COST], &bb_emc_centred},
      .tests = {BB_TEST(0, BB_BELOW, 1 - EMC_SAME), BB_TEST(1, BB_BELOW, 1 - EMC_SAME)},
-     .test_count = 2,
      .ours = {{.text = "ratio to MC-64 in the scene's box {0~}; in that of the centroids {1~}"}},
      .why = {{.each = true, .first = "per scene: ", .text = "{scene} {0.3}, {1.3}"}}},
     {.text = "EMC-64-var makes rays of every kind faster with {row}, on average",
@@ -166,7 +164,6 @@ const bb_paper_claim bb_emc_other_claims[] = {
                  &bb_emc_inside[EMC_WORK + 2], &bb_emc_inside[EMC_WORK + 3]},
      .tests = {BB_TEST(0, BB_BELOW, 1), BB_TEST(1, BB_BELOW, 1), BB_TEST(2, BB_BELOW, 1),
                BB_TEST(3, BB_BELOW, 1)},
-     .test_count = 4,
      .ours = {{.text = "time, geometric mean of the scenes round by round: primary {0}, diffuse "
                        "{1}, shadow {2}, random {3}"}},
      .why = {SLOWER_KIND(0, "primary", "4.3"), SLOWER_KIND(1, "diffuse", "5.3"),

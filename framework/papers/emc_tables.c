@@ -46,10 +46,6 @@ static const bb_paper_numbers table2_average = {
     "average",
     {0, 0, .88, .80, 0, 1.09, 1.24, 0, .99, 1.00, 0, .98, .93, 0, 1.01, 1.07, 0, .99, .99}};
 
-#define COLUMN(heading_, decimals_, ...)                                                           \
-    {                                                                                              \
-        .heading = heading_, .figure = &(const bb_figure){__VA_ARGS__}, .decimals = decimals_      \
-    }
 #define SCENE                                                                                      \
     {                                                                                              \
         .heading = "scene", .shown = BB_SHOW_SCENE                                                 \
@@ -186,9 +182,10 @@ static const bb_paper_column build_ratios[] = {
 };
 
 #define RATE(heading_, builder_)                                                                   \
-    COLUMN(heading_, 2, .what = "prims", .per = "build_ms", .scale = 1e-3, .builder = builder_)
+    BB_COLUMN_AS(heading_, 2, .what = "prims", .per = "build_ms", .scale = 1e-3,                   \
+                 .builder = builder_)
 static const bb_paper_column rates[] = {
-    COLUMN("primitives", 0, .what = "prims"),
+    BB_COLUMN_AS("primitives", 0, .what = "prims"),
     RATE("MC-32", EMC_MC32),
     RATE("EMC-32-sort", EMC_SORT32),
     RATE("EMC-32-var", EMC_VAR32),
@@ -201,36 +198,34 @@ static const bb_paper_column rates[] = {
 
 /* ---- ingredients ---- */
 
+#define INGREDIENT(name_, builder_, paper_)                                                        \
+    {                                                                                              \
+        .name = name_, .builder = builder_, .note = paper_                                         \
+    }
 const bb_entrant bb_emc_ingredients[] = {
-    {.name = "axes by extent",
-     .builder = EMC_ORDER,
-     .note = "0.88 pompeii, 0.85 city, 1.00 others"},
-    {.name = "axes by extent, variable count",
-     .builder = EMC_ORDER_COUNT,
-     .note = "0.56 pompeii, 0.51 city"},
-    {.name = "size every 4th bit", .builder = EMC_SIZES, .note = "0.77 to 0.90"},
-    {.name = "size every 7th bit, 6 bits", .builder = EMC_FEWER_SIZES},
-    {.name = "EMC-64-sort", .builder = EMC_SORT64, .note = "0.78 to 0.99, mean 0.88"},
-    {.name = "EMC-64-var", .builder = EMC_VAR64, .note = "0.48 to 1.00, mean 0.80"},
-    {.name = "EMC-64-cell (not in the paper)", .builder = EMC_CELL64},
-    {.name = "the same, size by the longest side", .builder = EMC_CELL64 ",measure=side"},
-    {.name = "EMC-64-var, size every 4th bit", .builder = EMC_VAR64_ALL_SIZES},
-    {.name = "EMC-64-var, size against the cell", .builder = EMC_VAR64 ",size=cell"},
-    {.name = "the same, every 4th bit", .builder = EMC_VAR64_CELL_ALL},
-    {.name = "the same, 10 bits", .builder = EMC_VAR64_CELL_TEN},
-    {.name = "the same, every 3rd bit", .builder = EMC_VAR64 ",every=3,size-bits=16,size=cell"},
-    {.name = "EMC-64-var, 9 size bits (algorithm 2)", .builder = EMC_VAR64_NINE},
-    {.name = "MC-64, box of the centroids", .builder = "emc:code=mc64,box=centroids"},
-    {.name = "EMC-64-var, box of the centroids", .builder = "emc:code=emc64-var,box=centroids"},
-    {.name = "EMC-64-var, size by area", .builder = EMC_VAR64_AREA, .note = "slightly worse"},
-    {.name = "EMC-64-sort, size by area",
-     .builder = EMC_SORT64 ",measure=area",
-     .note = "slightly worse"},
-    {.name = "MC-32", .builder = EMC_MC32},
-    {.name = "EMC-32-sort", .builder = EMC_SORT32},
-    {.name = "EMC-32-var", .builder = EMC_VAR32},
-    {.name = "EMC-32-var, size every 4th bit", .builder = EMC_VAR32_ALL_SIZES},
-    {.name = "full sweep SAH, for comparison", .builder = EMC_SWEEP, .note = "0.67"},
+    INGREDIENT("axes by extent", EMC_ORDER, "0.88 pompeii, 0.85 city, 1.00 others"),
+    INGREDIENT("axes by extent, variable count", EMC_ORDER_COUNT, "0.56 pompeii, 0.51 city"),
+    INGREDIENT("size every 4th bit", EMC_SIZES, "0.77 to 0.90"),
+    INGREDIENT("size every 7th bit, 6 bits", EMC_FEWER_SIZES, ""),
+    INGREDIENT("EMC-64-sort", EMC_SORT64, "0.78 to 0.99, mean 0.88"),
+    INGREDIENT("EMC-64-var", EMC_VAR64, "0.48 to 1.00, mean 0.80"),
+    INGREDIENT("EMC-64-cell (not in the paper)", EMC_CELL64, ""),
+    INGREDIENT("the same, size by the longest side", EMC_CELL64 ",measure=side", ""),
+    INGREDIENT("EMC-64-var, size every 4th bit", EMC_VAR64_ALL_SIZES, ""),
+    INGREDIENT("EMC-64-var, size against the cell", EMC_VAR64 ",size=cell", ""),
+    INGREDIENT("the same, every 4th bit", EMC_VAR64_CELL_ALL, ""),
+    INGREDIENT("the same, 10 bits", EMC_VAR64_CELL_TEN, ""),
+    INGREDIENT("the same, every 3rd bit", EMC_VAR64 ",every=3,size-bits=16,size=cell", ""),
+    INGREDIENT("EMC-64-var, 9 size bits (algorithm 2)", EMC_VAR64_NINE, ""),
+    INGREDIENT("MC-64, box of the centroids", "emc:code=mc64,box=centroids", ""),
+    INGREDIENT("EMC-64-var, box of the centroids", "emc:code=emc64-var,box=centroids", ""),
+    INGREDIENT("EMC-64-var, size by area", EMC_VAR64_AREA, "slightly worse"),
+    INGREDIENT("EMC-64-sort, size by area", EMC_SORT64 ",measure=area", "slightly worse"),
+    INGREDIENT("MC-32", EMC_MC32, ""),
+    INGREDIENT("EMC-32-sort", EMC_SORT32, ""),
+    INGREDIENT("EMC-32-var", EMC_VAR32, ""),
+    INGREDIENT("EMC-32-var, size every 4th bit", EMC_VAR32_ALL_SIZES, ""),
+    INGREDIENT("full sweep SAH, for comparison", EMC_SWEEP, "0.67"),
     {.name = NULL},
 };
 static const bb_figure ingredient = {.what = "sah", .base = EMC_MC64};

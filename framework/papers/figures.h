@@ -27,6 +27,21 @@ const char *bb_view_name(const bb_findings *f, const char *scene, int number);
 const char *bb_found_text(const bb_findings *f, const char *scene, const char *builder,
                           const char *column);
 
+/* Columns of such tables: an exact number, a text, a time in rounds. */
+#define BB_FOUND_NUMBER(name_, help_)                                                              \
+    {                                                                                              \
+        .name = name_, .heading = name_, .unit = "", .help = help_                                 \
+    }
+#define BB_FOUND_TEXT(name_, help_)                                                                \
+    {                                                                                              \
+        .name = name_, .heading = name_, .unit = "", .help = help_, .kind = BB_COLUMN_TEXT         \
+    }
+#define BB_FOUND_ROUNDS(name_, help_)                                                              \
+    {                                                                                              \
+        .name = name_, .heading = name_, .unit = "ms", .help = help_, .kind = BB_COLUMN_ROUNDS,    \
+        .sense = BB_SENSE_TIMED                                                                    \
+    }
+
 /* A value that a table has. */
 typedef struct bb_found {
     bb_samples rounds; /* none: the value is exact */
@@ -150,7 +165,14 @@ typedef enum bb_claim_verdict {
     BB_NOT_HELD,
 } bb_claim_verdict;
 
-typedef enum bb_test_side { BB_BELOW, BB_ABOVE, BB_AT_MOST, BB_AT_LEAST, BB_WITHIN } bb_test_side;
+typedef enum bb_test_side {
+    BB_NO_SIDE,
+    BB_BELOW,
+    BB_ABOVE,
+    BB_AT_MOST,
+    BB_AT_LEAST,
+    BB_WITHIN
+} bb_test_side;
 
 /* Where a figure is: of times, the whole interval decides. `most`: of BB_WITHIN. */
 bb_claim_verdict bb_verdict_at(bb_estimate e, bool timed, bb_test_side side, double bound,
@@ -210,9 +232,8 @@ typedef struct bb_paper_claim {
     bool together;          /* one claim on all rows, which stand for its scenes */
     bool of_scenes;         /* on each of these rows with each scene */
     const bb_figure *figures[BB_CLAIM_FIGURES];
-    bb_test tests[BB_CLAIM_TESTS];
-    uint32_t test_count; /* 0: 1 */
-    uint32_t scenes;     /* at least: with fewer it is not tested */
+    bb_test tests[BB_CLAIM_TESTS]; /* end with one without a side */
+    uint32_t scenes;               /* at least: with fewer it is not tested */
     bb_saying ours[BB_CLAIM_SAYINGS], why[BB_CLAIM_SAYINGS];
     /* What no row says: adds to the words, and may put another verdict. */
     void (*judge)(bb_paper_place at, bb_said *said);
@@ -280,6 +301,9 @@ typedef struct bb_paper_column {
     {                                                                                              \
         .heading = heading_, .shown = shown_                                                       \
     }
+/* A figure that no other column has. */
+#define BB_COLUMN_AS(heading_, decimals_, ...)                                                     \
+    BB_COLUMN(heading_, (&(const bb_figure){__VA_ARGS__}), decimals_)
 /* A figure, and the ends of its interval. */
 #define BB_COLUMN_INTERVAL(heading_, figure_)                                                      \
     BB_COLUMN(heading_, figure_, 3),                                                               \

@@ -5,89 +5,34 @@
 
 #include <cjson/cJSON.h>
 
-typedef struct number {
-    bb_field_id field;
-    bb_column column;
-} number;
+/* Figures under the names that they have in the document. */
+static const bb_field_id of_scenes[] = {BB_F_SCENE_PRIMS, BB_F_PROFILE_FLATNESS,
+                                        BB_F_PROFILE_SIZE_MAX, BB_F_PROFILE_SIZE_MEDIAN,
+                                        BB_F_PROFILE_OVERLAP};
+static const bb_field_id of_builds[] = {BB_F_TREE_NODES, BB_F_TREE_LEAVES, BB_F_TREE_BYTES,
+                                        BB_F_TREE_BYTES_PEAK};
+static const bb_field_id of_traces[] = {BB_F_TRACE_NODE_TESTS, BB_F_TRACE_PRIM_TESTS};
+enum { OF_SCENES = 5, OF_BUILDS = 4, OF_TRACES = 2 };
 
-static const number of_scenes[] = {
-    {BB_F_SCENE_PRIMS, {.name = "prims", .heading = "prims", .unit = "", .help = "Primitives."}},
-    {BB_F_PROFILE_FLATNESS,
-     {.name = "flatness",
-      .heading = "flatness",
-      .unit = "",
-      .help = "Shortest side over the longest."}},
-    {BB_F_PROFILE_SIZE_MAX,
-     {.name = "size_max", .heading = "size_max", .unit = "", .help = "The largest primitive."}},
-    {BB_F_PROFILE_SIZE_MEDIAN,
-     {.name = "size_median",
-      .heading = "size_median",
-      .unit = "",
-      .help = "The median primitive."}},
-    {BB_F_PROFILE_OVERLAP,
-     {.name = "overlap", .heading = "overlap", .unit = "", .help = "Mean overlap of boxes."}},
-};
-static const number of_builds[] = {
-    {BB_F_TREE_NODES,
-     {.name = "nodes", .heading = "nodes", .unit = "", .help = "Nodes of the tree."}},
-    {BB_F_TREE_LEAVES,
-     {.name = "leaves", .heading = "leaves", .unit = "", .help = "Leaves of the tree."}},
-    {BB_F_TREE_BYTES,
-     {.name = "bytes", .heading = "bytes", .unit = "", .help = "Bytes of the tree."}},
-    {BB_F_TREE_BYTES_PEAK,
-     {.name = "bytes_peak",
-      .heading = "bytes_peak",
-      .unit = "",
-      .help = "Most bytes during the build."}},
-};
-static const number of_traces[] = {
-    {BB_F_TRACE_COUNT, {.name = "rays", .heading = "rays", .unit = "", .help = "Rays of the set."}},
-    {BB_F_TRACE_NODE_TESTS,
-     {.name = "node_tests",
-      .heading = "node_tests",
-      .unit = "",
-      .help = "Boxes that a ray tests."}},
-    {BB_F_TRACE_PRIM_TESTS,
-     {.name = "prim_tests",
-      .heading = "prim_tests",
-      .unit = "",
-      .help = "Primitives that a ray tests."}},
-};
-enum { OF_SCENES = 5, OF_BUILDS = 4, OF_TRACES = 3 };
+static const bb_column rays = BB_FOUND_NUMBER("rays", "Rays of the set."),
+                       sah = BB_FOUND_NUMBER("sah", "Cost of the tree."),
+                       work =
+                           BB_FOUND_NUMBER("work", "Counted work per ray, in units of the cost."),
+                       about = BB_FOUND_TEXT("about", "The builder's words on its tree."),
+                       phase_ms = BB_FOUND_NUMBER("phase_ms", "Median of a phase of the build."),
+                       build_ms = BB_FOUND_ROUNDS("build_ms", "Building the tree."),
+                       trace_ms = BB_FOUND_ROUNDS("trace_ms", "Tracing all rays of the set.");
 
-static const bb_column sah = {
-    .name = "sah", .heading = "SAH", .unit = "", .help = "Cost of the tree."};
-static const bb_column work = {.name = "work",
-                               .heading = "work",
-                               .unit = "",
-                               .help = "Counted work per ray, in units of the cost."};
-static const bb_column about = {.name = "about",
-                                .heading = "about",
-                                .unit = "",
-                                .help = "The builder's words on its tree.",
-                                .kind = BB_COLUMN_TEXT};
-static const bb_column phase_ms = {.name = "phase_ms",
-                                   .heading = "phase",
-                                   .unit = "ms",
-                                   .help = "Median of a phase of the build."};
-static const bb_column build_ms = {.name = "build_ms",
-                                   .heading = "build",
-                                   .unit = "ms",
-                                   .help = "Building the tree.",
-                                   .kind = BB_COLUMN_ROUNDS,
-                                   .sense = BB_SENSE_TIMED};
-static const bb_column trace_ms = {.name = "trace_ms",
-                                   .heading = "trace",
-                                   .unit = "ms",
-                                   .help = "Tracing all rays of the set.",
-                                   .kind = BB_COLUMN_ROUNDS,
-                                   .sense = BB_SENSE_TIMED};
-
-static void put_numbers(bb_table *table, uint32_t row, const bb_entry *entry, const number *numbers,
-                        size_t count)
+static void put_numbers(bb_table *table, uint32_t row, const bb_entry *entry,
+                        const bb_field_id *fields, size_t count)
 {
-    for (size_t i = 0; i < count; i++)
-        bb_table_set_number(table, row, &numbers[i].column, bb_get_number(entry, numbers[i].field));
+    static bb_column columns[BB_FIELDS]; /* outlive the table */
+    for (size_t i = 0; i < count; i++) {
+        const bb_field *field = &bb_fields[fields[i]];
+        columns[fields[i]] = (bb_column){
+            .name = field->name, .heading = field->name, .unit = field->unit, .help = ""};
+        bb_table_set_number(table, row, &columns[fields[i]], bb_get_number(entry, fields[i]));
+    }
 }
 
 static void add_scene(bb_table *table, const bb_entry *scene, const char *name)
@@ -130,6 +75,7 @@ static void add_trace(bb_table *table, const bb_entry *trace)
                            [BB_FRAME] = bb_get_text(trace, BB_F_TRACE_VIEW)}};
     const uint32_t row = bb_table_row(table, cell);
     put_numbers(table, row, trace, of_traces, OF_TRACES);
+    bb_table_set_number(table, row, &rays, bb_get_number(trace, BB_F_TRACE_COUNT));
     /* of kernels on binary nodes, which test the boxes of both children of a node they visit */
     bb_table_set_number(table, row, &work,
                         BB_COST_TRAVERSAL * bb_get_number(trace, BB_F_TRACE_NODE_TESTS) / 2 +

@@ -150,49 +150,39 @@ static bb_status measure(const bb_reproduce_request *request, bb_findings *f, bo
 
 /* ---- what was measured, as rows ---- */
 
-#define ROUNDS(name_, help_)                                                                       \
-    {                                                                                              \
-        .name = name_, .heading = name_, .unit = "ms", .help = help_, .kind = BB_COLUMN_ROUNDS,    \
-        .sense = BB_SENSE_TIMED                                                                    \
-    }
-#define NUMBER(name_, help_)                                                                       \
-    {                                                                                              \
-        .name = name_, .heading = name_, .unit = "", .help = help_                                 \
-    }
-#define TEXT(name_, help_)                                                                         \
-    {                                                                                              \
-        .name = name_, .heading = name_, .unit = "", .help = help_, .kind = BB_COLUMN_TEXT         \
-    }
 /* Of a method: sums over all frames but the first. */
 static const struct {
     uint32_t part;
     bb_column column;
 } parts[] = {
-    {BB_ANIMATE_UPDATE, ROUNDS("update_ms", "Updates.")},
-    {BB_ANIMATE_TRACE, ROUNDS("trace_ms", "Tracing.")},
-    {BB_ANIMATE_TRANSFER, ROUNDS("transfer_ms", "Transfers of trees.")},
-    {BB_ANIMATE_LAYOUT, ROUNDS("layout_ms", "Making layouts.")},
+    {BB_ANIMATE_UPDATE, BB_FOUND_ROUNDS("update_ms", "Updates.")},
+    {BB_ANIMATE_TRACE, BB_FOUND_ROUNDS("trace_ms", "Tracing.")},
+    {BB_ANIMATE_TRANSFER, BB_FOUND_ROUNDS("transfer_ms", "Transfers of trees.")},
+    {BB_ANIMATE_LAYOUT, BB_FOUND_ROUNDS("layout_ms", "Making layouts.")},
 };
-static const bb_column frames = NUMBER("frames", "Frames but the first."),
-                       sah_mean = NUMBER("sah_mean", "Cost over the best made for the frame."),
-                       sah_most = NUMBER("sah_most", "The same at worst."),
-                       unevenness = NUMBER("unevenness", "The longest update over the mean."),
-                       judged = NUMBER("judged", "Rays that were judged."),
-                       wrong_rays = NUMBER("wrong", "Rays that were wrong."),
-                       refused = TEXT("refused", "Why there are no figures.");
+static const bb_column frames = BB_FOUND_NUMBER("frames", "Frames but the first."),
+                       sah_mean =
+                           BB_FOUND_NUMBER("sah_mean", "Cost over the best made for the frame."),
+                       sah_most = BB_FOUND_NUMBER("sah_most", "The same at worst."),
+                       unevenness =
+                           BB_FOUND_NUMBER("unevenness", "The longest update over the mean."),
+                       judged = BB_FOUND_NUMBER("judged", "Rays that were judged."),
+                       wrong_rays = BB_FOUND_NUMBER("wrong", "Rays that were wrong."),
+                       refused = BB_FOUND_TEXT("refused", "Why there are no figures.");
 /* Means per frame. */
-static const bb_column events[] = {NUMBER("moved", "Objects that moved."),
-                                   NUMBER("reinserted", "Objects that were inserted again."),
-                                   NUMBER("thinned", "Nodes that were thinned.")};
+static const bb_column events[] = {
+    BB_FOUND_NUMBER("moved", "Objects that moved."),
+    BB_FOUND_NUMBER("reinserted", "Objects that were inserted again."),
+    BB_FOUND_NUMBER("thinned", "Nodes that were thinned.")};
 /* Of a scene; rays are means per frame. */
-static const bb_column prims = NUMBER("prims", "Triangles."),
-                       all_frames = NUMBER("all_frames", "Frames."),
-                       primary = NUMBER("primary", "Primary rays."),
-                       diffuse = NUMBER("diffuse", "Diffuse rays."),
-                       rounds = NUMBER("rounds", "Rounds that count."),
-                       seconds = NUMBER("seconds", "All measurements, in s."),
-                       own_name = TEXT("name", "The scene."),
-                       picture = TEXT("picture", "Width and height.");
+static const bb_column prims = BB_FOUND_NUMBER("prims", "Triangles."),
+                       all_frames = BB_FOUND_NUMBER("all_frames", "Frames."),
+                       primary = BB_FOUND_NUMBER("primary", "Primary rays."),
+                       diffuse = BB_FOUND_NUMBER("diffuse", "Diffuse rays."),
+                       rounds = BB_FOUND_NUMBER("rounds", "Rounds that count."),
+                       seconds = BB_FOUND_NUMBER("seconds", "All measurements, in s."),
+                       own_name = BB_FOUND_TEXT("name", "The scene."),
+                       picture = BB_FOUND_TEXT("picture", "Width and height.");
 
 /* 0 if the builder counts no such. */
 static double events_of(const bb_animate_method *m, const char *event)

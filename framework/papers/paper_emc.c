@@ -117,33 +117,27 @@ const bb_figure bb_emc_centred = {.what = "sah",
 
 /* An experiment that traces nothing. */
 #define BUILDS_ALONE .kernels = "", .rays = "", .width = 1, .height = 1, .max_rays = 1
+#define ON_SCENES .scenes = SCENES, .quick_scenes = QUICK_SCENES, .takes_scenes = true
+#define ON_SMALLER                                                                                 \
+    .scenes = INSIDE_SCENES, .quick_scenes = INSIDE_QUICK_SCENES, .takes_scenes = true
 
 static const bb_experiment experiments[] = {
     [EMC_TRACED] = {.name = "codes, traced",
                     .builders = CODES,
                     .kernels = "stack",
                     .rays = "diffuse",
-                    .scenes = SCENES,
-                    .quick_scenes = QUICK_SCENES,
-                    .takes_scenes = true,
+                    ON_SCENES,
                     .width = 512,
                     .height = 512,
                     .max_rays = 1 << 19,
                     .repeats = BB_INTERVAL_ROUNDS},
-    [EMC_BUILT] = {.name = "codes, build times",
-                   .builders = CODES,
-                   BUILDS_ALONE,
-                   .scenes = SCENES,
-                   .quick_scenes = QUICK_SCENES,
-                   .takes_scenes = true,
-                   .repeats = 40},
+    [EMC_BUILT] =
+        {.name = "codes, build times", .builders = CODES, BUILDS_ALONE, ON_SCENES, .repeats = 40},
     [EMC_VARIED] = {.name = "influence of each ingredient",
                     .builders = EMC_MC64,
                     .entrants = bb_emc_ingredients,
                     BUILDS_ALONE,
-                    .scenes = SCENES,
-                    .quick_scenes = QUICK_SCENES,
-                    .takes_scenes = true,
+                    ON_SCENES,
                     .repeats = 1}, /* its costs are compared, not its times */
     [EMC_SIZED] = {.name = "number of primitives",
                    .builders = CODES,
@@ -158,9 +152,7 @@ static const bb_experiment experiments[] = {
                     .optional_builders = true,
                     .kernels = "stack",
                     .rays = EMC_RAYS,
-                    .scenes = INSIDE_SCENES,
-                    .quick_scenes = INSIDE_QUICK_SCENES,
-                    .takes_scenes = true,
+                    ON_SMALLER,
                     .width = 256,
                     .height = 256,
                     .max_rays = 1 << 16,
@@ -173,9 +165,7 @@ static const bb_experiment experiments[] = {
                      .fills = EMC_PLAIN_CENTRED " " EMC_VAR_CENTRED,
                      .optional_builders = true,
                      BUILDS_ALONE,
-                     .scenes = INSIDE_SCENES,
-                     .quick_scenes = INSIDE_QUICK_SCENES,
-                     .takes_scenes = true,
+                     ON_SMALLER,
                      .repeats = 1}, /* its costs alone */
     {.name = NULL},
 };

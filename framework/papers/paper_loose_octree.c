@@ -107,8 +107,9 @@ static const bb_experiment experiments[] = {
 
 static const bb_figure prims = {.what = "prims"}, build_ms = {.what = "build_ms"},
                        trace_ms = {.what = "trace_ms"}, frame_ms = {.what = FRAME},
-                       cost = {.what = "sah"}, boxes = {.what = "node_tests"},
-                       tests = {.what = "prim_tests"}, bytes = {.what = "bytes", .scale = MIB},
+                       cost = {.what = "sah"}, boxes = {.what = "node_tests_per_ray"},
+                       tests = {.what = "prim_tests_per_ray"},
+                       bytes = {.what = "bytes_tree", .scale = MIB},
                        peak = {.what = "bytes_peak", .scale = MIB};
 /* Medians of the paper's configuration, over LBVH's. */
 #define OVER_LBVH(builder_, kernel_)                                                               \

@@ -37,8 +37,7 @@ static const char *const quick_meshes[] = {"tets:side=4", "tets:side=4,shape=she
 
 /* ---- measuring ---- */
 
-static const bb_column tets = {
-    .name = "prims", .heading = "tetrahedra", .unit = "", .help = "Tetrahedra of the mesh."};
+static const bb_column tets = BB_FOUND_NUMBER("prims", "Tetrahedra of the mesh.");
 
 /* What the requests of all contests have. */
 #define CONTESTANTS                                                                                \
@@ -189,8 +188,6 @@ static const bb_paper_numbers memory[] = {
         .heading = heading_, .decimals = 3, .paper = 3 + alpha, .paper_over = 2,                   \
         .figure = &bytes[alpha]                                                                    \
     }
-#define OF(heading_, decimals_, ...)                                                               \
-    BB_COLUMN(heading_, (&(const bb_figure){__VA_ARGS__}), decimals_)
 #define MESH BB_COLUMN_OF("mesh", BB_SHOW_SCENE)
 static const bb_paper_column memory_columns[] = {
     MESH,
@@ -210,11 +207,11 @@ static const bb_figure build_over = {
 static const bb_paper_column build_columns[] = {
     MESH,
     BB_COLUMN_OF("builder", BB_SHOW_BUILDER),
-    OF("references/tet", 2, .what = "references", .per = "prims"),
-    OF("nodes", 0, .what = "nodes"),
-    OF("build ms", 2, .what = "build_ms"),
+    BB_COLUMN_AS("references/tet", 2, .what = "references", .per = "prims"),
+    BB_COLUMN_AS("nodes", 0, .what = "nodes"),
+    BB_COLUMN_AS("build ms", 2, .what = "build_ms"),
     BB_COLUMN_INTERVAL("over LBVH", &build_over),
-    OF("layout ms", 2, .what = "layout_ms"),
+    BB_COLUMN_AS("layout ms", 2, .what = "layout_ms"),
     {.heading = NULL},
 };
 
@@ -222,11 +219,11 @@ static const bb_paper_column task_columns[] = {
     MESH,
     BB_COLUMN_OF("builder", BB_SHOW_BUILDER),
     BB_COLUMN_OF("search", BB_SHOW_KERNEL),
-    OF("ms", 2, .what = "answer_ms"),
+    BB_COLUMN_AS("ms", 2, .what = "answer_ms"),
     BB_COLUMN_INTERVAL("speed/LBVH", &speed),
-    OF("nodes", 1, .what = "visits"),
-    OF("tests", 2, .what = "work"),
-    OF("wrong", 0, .what = "differ"),
+    BB_COLUMN_AS("nodes", 1, .what = "visits"),
+    BB_COLUMN_AS("tests", 2, .what = "work"),
+    BB_COLUMN_AS("wrong", 0, .what = "differ"),
     BB_COLUMN_OF("paper", BB_SHOW_NOTE),
     {.heading = NULL},
 };
@@ -302,7 +299,6 @@ static const bb_paper_claim claims[] = {
      .paper = "0.17 to 0.30, 0.10 to 0.14",
      .figures = {&bytes[0], &bytes[1], &bytes[2], &references, &less1, &less2},
      .tests = {BB_TEST_EACH(4, BB_BELOW, 0.5), BB_TEST_EACH(5, BB_BELOW, 1)},
-     .test_count = 2,
      OF_MEMORY},
     {.text = "With alpha 0 the build is slower than LBVH's",
      .paper = "section 4.1",

@@ -18,24 +18,10 @@ enum { OF_SIZES, FULL }; /* some sizes; one of them with nothing to skip */
 
 /* ---- measuring ---- */
 
-static const bb_column voxels = {.name = "voxels",
-                                 .heading = "voxels",
-                                 .unit = "",
-                                 .help = "Voxels."},
-                       seen = {.name = "seen",
-                               .heading = "seen",
-                               .unit = "%",
-                               .help = "Share of bricks that are seen."},
-                       share = {.name = "vote_share",
-                                .heading = "vote",
-                                .unit = "",
-                                .help = "Vote over all phases of the build."},
-                       frame = {.name = "frame_ms",
-                                .heading = "both",
-                                .unit = "ms",
-                                .help = "Build, layout and picture.",
-                                .kind = BB_COLUMN_ROUNDS,
-                                .sense = BB_SENSE_TIMED};
+static const bb_column voxels = BB_FOUND_NUMBER("voxels", "Voxels."),
+                       seen = BB_FOUND_NUMBER("seen", "Percent of bricks that are seen."),
+                       share = BB_FOUND_NUMBER("vote_share", "Vote over all phases of the build."),
+                       frame = BB_FOUND_ROUNDS("frame_ms", "Build, layout and picture.");
 
 /* Those of the whole frame, and of the vote. */
 static void add_sums(bb_table *table, const char *scene, const bb_contest_way *way)
@@ -155,30 +141,33 @@ static const bb_figure vote = {VOTE},
 
 /* ---- tables ---- */
 
-#define OF(heading_, decimals_, ...)                                                               \
-    BB_COLUMN(heading_, (&(const bb_figure){__VA_ARGS__}), decimals_)
-#define PHASE(name) OF(name, 3, .what = "phase_ms", .phase = name, BY_STACK)
+#define PHASE(name) BB_COLUMN_AS(name, 3, .what = "phase_ms", .phase = name, BY_STACK)
 static const bb_paper_column phases[] = {
     BB_COLUMN_OF("volume", BB_SHOW_SCENE),
-    OF("build ms", 3, .what = "build_ms", BY_STACK),
+    BB_COLUMN_AS("build ms", 3, .what = "build_ms", BY_STACK),
     PHASE("vote"),
     PHASE("compact"),
     PHASE("codes"),
     PHASE("boxes"),
     PHASE("sort"),
     PHASE("link"),
-    OF("vote, share", 3, .what = "vote_share", BY_STACK),
-    OF("ns/voxel", 3, .what = "build_ms", .per = "voxels", .scale = 1e6, BY_STACK),
+    BB_COLUMN_AS("vote, share", 3, .what = "vote_share", BY_STACK),
+    BB_COLUMN_AS("ns/voxel", 3, .what = "build_ms", .per = "voxels", .scale = 1e6, BY_STACK),
     {.heading = NULL},
 };
 
 static const bb_figure both = {.what = "frame_ms", OVER_NO_TREE};
 static const bb_paper_column frames[] = {
-    BB_COLUMN_OF("volume", BB_SHOW_SCENE),   BB_COLUMN_OF("kernel", BB_SHOW_ROW),
-    OF("build ms", 2, .what = "build_ms"),   OF("picture ms", 2, .what = "answer_ms"),
-    OF("both ms", 2, .what = "frame_ms"),    OF("picture", 3, .what = "answer_ms", OVER_NO_TREE),
-    BB_COLUMN_INTERVAL("both", &both),       OF("samples", 1, .what = "work"),
-    OF("wrong pixels", 0, .what = "differ"), {.heading = NULL},
+    BB_COLUMN_OF("volume", BB_SHOW_SCENE),
+    BB_COLUMN_OF("kernel", BB_SHOW_ROW),
+    BB_COLUMN_AS("build ms", 2, .what = "build_ms"),
+    BB_COLUMN_AS("picture ms", 2, .what = "answer_ms"),
+    BB_COLUMN_AS("both ms", 2, .what = "frame_ms"),
+    BB_COLUMN_AS("picture", 3, .what = "answer_ms", OVER_NO_TREE),
+    BB_COLUMN_INTERVAL("both", &both),
+    BB_COLUMN_AS("samples", 1, .what = "work"),
+    BB_COLUMN_AS("wrong pixels", 0, .what = "differ"),
+    {.heading = NULL},
 };
 
 #define WAY(name_, builder_)                                                                       \
@@ -211,7 +200,6 @@ static const bb_paper_claim claims[] = {
      .paper = "section 4, figure 3",
      .figures = {&vote, &largest_vote, &vote_growth},
      .tests = {BB_TEST_EACH(2, BB_ABOVE, 1), BB_TEST(1, BB_ABOVE, 0.5)},
-     .test_count = 2,
      .scenes = 3,
      .ours = {{.each = true, .first = "share of the vote at ", .text = "{scene}: {0}"}}},
     {.text = "The build takes linear time (here: per voxel at most 1.5 times as much at twice the "

@@ -1,13 +1,12 @@
 /* Tables and claims: into the result document, and as text. */
 #include "framework/papers/reproduce.h"
 #include "framework/record/record.h"
+#include "framework/show/page.h"
 
 #include <cjson/cJSON.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum { LINE = 110, COLUMNS_MAX = 32 };
 
 struct bb_reproduction {
     cJSON *root, *tables, *claims;
@@ -103,92 +102,39 @@ static int decimals_of(double value)
     return 6;
 }
 
-/* A cell as text; numbers of a column have the same decimals. */
-static void print_cell(const cJSON *cell, int decimals, char *text, size_t capacity)
+/* The most decimals that a number of column i needs; texts need none. */
+static int column_decimals(const cJSON *rows, uint32_t i)
 {
-    if (cJSON_IsString(cell))
-        snprintf(text, capacity, "%s", cell->valuestring);
-    else if (cJSON_IsNumber(cell))
-        snprintf(text, capacity, "%.*f", decimals, cell->valuedouble);
-    else
-        snprintf(text, capacity, "-");
-}
-
-typedef struct column {
-    int width, decimals;
-    bool text; /* to the left */
-} column;
-
-static void widen(column *c, const char *text)
-{
-    int length = (int)strlen(text);
-    c->width = length > c->width ? length : c->width;
-}
-
-static uint32_t measure_columns(const cJSON *names, const cJSON *rows, column *columns)
-{
-    const cJSON *item, *row;
-    uint32_t count = 0, i;
-    char text[256];
-    cJSON_ArrayForEach(item, names)
-    {
-        if (count == COLUMNS_MAX)
-            break;
-        columns[count] = (column){0};
-        widen(&columns[count++], item->valuestring);
-    }
-    for (int pass = 0; pass < 2; pass++)
-        cJSON_ArrayForEach(row, rows)
-        {
-            for (i = 0, item = row->child; item != NULL && i < count; item = item->next, i++) {
-                int decimals = cJSON_IsNumber(item) ? decimals_of(item->valuedouble) : 0;
-                columns[i].text = columns[i].text || cJSON_IsString(item);
-                if (pass == 0 && decimals > columns[i].decimals)
-                    columns[i].decimals = decimals;
-                print_cell(item, columns[i].decimals, text, sizeof text);
-                if (pass == 1)
-                    widen(&columns[i], text);
-            }
-        }
-    return count;
-}
-
-static void print_table(const cJSON *table, FILE *out)
-{
-    const cJSON *names = cJSON_GetObjectItemCaseSensitive(table, "columns");
-    const cJSON *rows = cJSON_GetObjectItemCaseSensitive(table, "rows"), *row, *item;
-    column columns[COLUMNS_MAX];
-    uint32_t count = measure_columns(names, rows, columns), i;
-    char text[256];
-    fprintf(out, "\n%s\n\n", bb_get_text(table, BB_F_TABLE_TITLE));
-    for (i = 0, item = names->child; i < count; item = item->next, i++)
-        fprintf(out, columns[i].text ? "  %-*s" : "  %*s", columns[i].width, item->valuestring);
-    fprintf(out, "\n");
+    const cJSON *row;
+    int most = 0;
     cJSON_ArrayForEach(row, rows)
     {
-        for (i = 0, item = row->child; item != NULL && i < count; item = item->next, i++) {
-            print_cell(item, columns[i].decimals, text, sizeof text);
-            fprintf(out, columns[i].text ? "  %-*s" : "  %*s", columns[i].width, text);
-        }
-        fprintf(out, "\n");
+        const cJSON *item = cJSON_GetArrayItem(row, (int)i);
+        const int own = cJSON_IsNumber(item) ? decimals_of(item->valuedouble) : 0;
+        most = own > most ? own : most;
     }
+    return most;
 }
 
-/* "label: text", broken between words into lines. */
-static void print_paragraph(const char *label, const char *text, FILE *out)
+static void show_table(const cJSON *table, bb_page *page)
 {
-    if (text[0] == '\0')
-        return;
-    int at = fprintf(out, "    %s: ", label);
-    while (*text != '\0') {
-        int length = (int)strcspn(text, " ");
-        if (at + length > LINE)
-            at = fprintf(out, "\n      ") - 1;
-        at += fprintf(out, "%.*s ", length, text);
-        text += length;
-        text += strspn(text, " ");
+    const cJSON *rows = cJSON_GetObjectItemCaseSensitive(table, "rows");
+    const cJSON *name = cJSON_GetObjectItemCaseSensitive(table, "columns")->child, *row;
+    bb_page_grid(page, bb_get_text(table, BB_F_TABLE_TITLE));
+    for (uint32_t i = 0; name != NULL && i < BB_HEADS_MAX; i++, name = name->next)
+        bb_page_column(page, name->valuestring, "", "", column_decimals(rows, i));
+    cJSON_ArrayForEach(row, rows)
+    {
+        const cJSON *item = row->child;
+        for (uint32_t i = 0; item != NULL && i < BB_HEADS_MAX; i++, item = item->next) {
+            bb_estimate figure = bb_not_measured;
+            figure.value = cJSON_IsNumber(item) ? item->valuedouble : (double)NAN;
+            if (cJSON_IsString(item))
+                bb_page_put_text(page, item->valuestring);
+            else
+                bb_page_put_figure(page, figure, false);
+        }
     }
-    fprintf(out, "\n");
 }
 
 /* How a claim is counted. */
@@ -203,44 +149,65 @@ static int kind_of(const cJSON *claim)
                                                                                   : UNTESTED;
 }
 
-static void print_claim(const cJSON *claim, FILE *out)
+static void show_line(bb_page *page, const char *label, const char *text)
+{
+    if (text[0] != '\0')
+        bb_page_say(page, "%s: %s", label, text);
+}
+
+static void show_claim(const cJSON *claim, bb_page *page)
 {
     const char *const verdicts[KINDS] = {"held", "DID NOT HOLD",
                                          bb_get_text(claim, BB_F_CLAIM_VERDICT),
                                          bb_verdict_words(BB_NOT_TESTED)};
-    fprintf(out, "\n  %s\n    %s\n", bb_get_text(claim, BB_F_CLAIM_CLAIM),
-            verdicts[kind_of(claim)]);
-    print_paragraph("paper", bb_get_text(claim, BB_F_CLAIM_PAPER), out);
-    print_paragraph("here", bb_get_text(claim, BB_F_CLAIM_OURS), out);
-    print_paragraph("why", bb_get_text(claim, BB_F_CLAIM_WHY), out);
+    bb_page_heading(page, bb_get_text(claim, BB_F_CLAIM_CLAIM));
+    bb_page_say(page, "%s", verdicts[kind_of(claim)]);
+    show_line(page, "paper", bb_get_text(claim, BB_F_CLAIM_PAPER));
+    show_line(page, "here", bb_get_text(claim, BB_F_CLAIM_OURS));
+    show_line(page, "why", bb_get_text(claim, BB_F_CLAIM_WHY));
+}
+
+static void show_claims(const cJSON *claims, bb_page *page)
+{
+    const cJSON *claim;
+    int counts[KINDS] = {0};
+    cJSON_ArrayForEach(claim, claims) counts[kind_of(claim)]++;
+    bb_page_say(page, "claims: %d held, %d did not hold, %d undecided, %d cannot be tested here",
+                counts[HELD], counts[NOT_HELD], counts[UNDECIDED], counts[UNTESTED]);
+    cJSON_ArrayForEach(claim, claims) show_claim(claim, page);
+}
+
+/* Where it was measured. */
+static void show_here(const bb_results *results, bb_page *page)
+{
+    const bb_entry *context = bb_results_context(results);
+    const cJSON *load = cJSON_GetArrayItem(cJSON_GetObjectItemCaseSensitive(context, "load"), 0);
+    const double units = bb_get_number(context, BB_F_CONTEXT_UNITS);
+    bb_words words = {0};
+    bb_say(&words, "here: bvhbench %s on %s", bb_get_text(context, BB_F_CONTEXT_REVISION),
+           bb_get_text(context, BB_F_CONTEXT_DEVICE));
+    if (cJSON_IsNumber(load))
+        bb_say(&words, ", %g compute units, load %.1f at the start%s", units, load->valuedouble,
+               load->valuedouble > 0.5 * units ? ": times are noisy, tests and costs are not" : "");
+    bb_page_say(page, "%s", words.text);
 }
 
 bb_status bb_reproduction_print(const bb_results *results, FILE *out)
 {
-    const cJSON *item, *part;
-    const cJSON *context = bb_results_context(results);
-    const cJSON *load = cJSON_GetArrayItem(cJSON_GetObjectItemCaseSensitive(context, "load"), 0);
-    double units = bb_get_number(context, BB_F_CONTEXT_UNITS);
+    const cJSON *item, *table;
+    bb_page *page;
+    BB_TRY(bb_page_create("reproduce", &page));
     cJSON_ArrayForEach(item, bb_results_member(results, "reproductions"))
     {
-        fprintf(out, "%s\nhere: bvhbench %s on %s", bb_get_text(item, BB_F_PAPER_TITLE),
-                bb_get_text(context, BB_F_CONTEXT_REVISION),
-                bb_get_text(context, BB_F_CONTEXT_DEVICE));
-        if (cJSON_IsNumber(load))
-            fprintf(out, ", %g compute units, load %.1f at the start%s", units, load->valuedouble,
-                    load->valuedouble > 0.5 * units ? ": times are noisy, tests and costs are not"
-                                                    : "");
-        fprintf(out, "\n");
-        cJSON_ArrayForEach(part, cJSON_GetObjectItemCaseSensitive(item, "tables"))
-            print_table(part, out);
-        int counts[KINDS] = {0};
-        cJSON_ArrayForEach(part, cJSON_GetObjectItemCaseSensitive(item, "claims"))
-            counts[kind_of(part)]++;
-        fprintf(out, "\nclaims: %d held, %d did not hold, %d undecided, %d cannot be tested here\n",
-                counts[HELD], counts[NOT_HELD], counts[UNDECIDED], counts[UNTESTED]);
-        cJSON_ArrayForEach(part, cJSON_GetObjectItemCaseSensitive(item, "claims"))
-            print_claim(part, out);
-        fprintf(out, "\n");
+        bb_page_heading(page, bb_get_text(item, BB_F_PAPER_TITLE));
+        show_here(results, page);
+        cJSON_ArrayForEach(table, cJSON_GetObjectItemCaseSensitive(item, "tables"))
+            show_table(table, page);
+        show_claims(cJSON_GetObjectItemCaseSensitive(item, "claims"), page);
     }
-    return ferror(out) ? bb_fail(BB_FAILED, "cannot write the reproduction") : BB_OK;
+    const bb_status status = bb_page_status(page);
+    bb_page_print(page, out);
+    bb_page_free(page);
+    return status == BB_OK && ferror(out) ? bb_fail(BB_FAILED, "cannot write the reproduction")
+                                          : status;
 }
