@@ -54,6 +54,17 @@ static void what_was_measured_is_found(void **state)
     assert_true(figure_at(&f, flat, 1, boxes).value == 9);
     trace.base_kernel = "other";
     assert_true(isnan(value_at(&f, flat, trace)));
+    /* one view against both */
+    add_trace(results, add_build(results, cubic, mc64_spec, 1, 1), "front", 4, 10);
+    const uint32_t both = add_build(results, cubic, var, 1, 1);
+    add_trace(results, both, "front", 4, 10);
+    add_trace(results, both, "back", 4, 10);
+    f = findings_of(results, first);
+    trace.base_kernel = NULL;
+    assert_true(isnan(value_at(&f, cubic, trace)));
+    /* a sum of which one part is missing, whichever */
+    assert_true(isnan(value_at(
+        &f, flat, (bb_figure){.what = "phase_ms+build_ms", .builder = mc64_spec, .base = var})));
     trace.base = NULL;
     trace.kernel = "other";
     assert_true(isnan(value_at(&f, flat, trace)));

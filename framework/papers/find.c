@@ -75,7 +75,7 @@ bb_found bb_find(const bb_findings *f, const bb_cell *cell, const char *columns)
         at += *at == '+';
         snprintf(column, sizeof column, "%.*s", (int)strcspn(at, "+"), at);
         const bb_found found = find_column(f, cell, column);
-        if (!bb_add_rounds(&all.rounds, &found.rounds))
+        if (isnan(found.number) || !bb_add_rounds(&all.rounds, &found.rounds))
             return (bb_found){.number = NAN};
         all.number += found.number;
         all.rays += found.rays;
