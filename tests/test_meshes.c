@@ -1,55 +1,64 @@
 /* `bvhbench slice` and `bvhbench overlap` from outside: what they measure, write and refuse. */
 #include "framework/base/memory.h"
 #include "framework/picture/exr.h"
+#include "framework/table/table.h"
 #include "tests/program_fixture.h"
 
-static cJSON *read_json(const char *name, const char *schema)
+#include <math.h>
+
+static bb_table *read_table(const char *name)
 {
-    cJSON *root = read_results(name);
-    assert_string_equal(cJSON_GetStringValue(cJSON_GetObjectItem(root, "schema")), schema);
-    return root;
+    char path[512];
+    bb_table *table;
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    ASSERT_OK(bb_table_read(path, &table));
+    return table;
 }
 
-static double number(const cJSON *object, const char *name)
+static double number(const bb_table *table, bb_cell cell, const char *column)
 {
-    const cJSON *item = cJSON_GetObjectItem(object, name);
-    if (!cJSON_IsNumber(item))
-        fail_msg("there is no number '%s'", name);
-    return item->valuedouble;
-}
-
-static double median(const cJSON *way, const char *name)
-{
-    return number(cJSON_GetObjectItem(way, name), "median");
+    const uint32_t row = bb_table_find(table, cell);
+    if (row == BB_NO_ROW || isnan(bb_table_get_number(table, row, column)))
+        fail_msg("there is no number '%s'", column);
+    return bb_table_get_number(table, row, column);
 }
 
 /* Four ways of lbvh and olbvh by skip and octree after one without a tree; lbvh has no cells. */
-static void expect_ways(const cJSON *result, const char *answer, const char *differ)
+static void expect_ways(const bb_table *table, const char *scene, uint32_t rounds)
 {
-    const cJSON *ways = cJSON_GetObjectItem(result, "ways");
-    char name[64];
-    assert_int_equal(cJSON_GetArraySize(ways), 5);
-    snprintf(name, sizeof name, "%s_ms", answer);
+    static const char *const ways[][2] = {{NULL, "no tree"},
+                                          {"lbvh", "skip"},
+                                          {"lbvh", "octree"},
+                                          {"olbvh", "skip"},
+                                          {"olbvh", "octree"}};
     for (int w = 0; w < 5; w++) {
-        const cJSON *way = cJSON_GetArrayItem(ways, w);
+        const bb_cell cell = {
+            {[BB_SCENE] = scene, [BB_BUILDER] = ways[w][0], [BB_INTERSECTOR] = ways[w][1]}};
+        const uint32_t row = bb_table_find(table, cell);
+        assert_int_not_equal(row, BB_NO_ROW);
         if (w == 2) {
-            const char *refused = cJSON_GetStringValue(cJSON_GetObjectItem(way, "refused"));
-            assert_non_null(strstr(refused, "'cells'"));
+            assert_non_null(strstr(bb_table_get_text(table, row, "refused"), "'cells'"));
+            assert_string_equal(bb_table_get_text(table, row, "status"), "refused");
             continue;
         }
-        assert_true(median(way, name) > 0);
-        assert_true(number(way, differ) == 0);
+        assert_true(number(table, cell, "answer_ms") > 0);
+        assert_int_equal(bb_table_get_rounds(table, row, "answer_ms")->count, rounds + 1);
+        assert_int_equal(bb_table_get_rounds(table, row, "answer_cpu_ms")->count, rounds + 1);
+        assert_true(number(table, cell, "differ") == 0);
         if (w == 0) {
-            assert_true(cJSON_IsNull(cJSON_GetObjectItem(way, "builder")));
+            assert_null(bb_table_get_rounds(table, row, "build_ms"));
             continue;
         }
-        assert_true(median(way, "build_ms") > 0);
-        assert_true(number(way, "tree_bytes") > 0);
-        snprintf(name, sizeof name, "%s_ratio", answer);
-        assert_true(number(cJSON_GetObjectItem(way, "all_ratio"), "median") >=
-                    number(cJSON_GetObjectItem(way, name), "median"));
-        snprintf(name, sizeof name, "%s_ms", answer);
+        assert_true(number(table, cell, "build_ms") > 0);
+        assert_int_equal(bb_table_get_rounds(table, row, "layout_ms")->count, rounds + 1);
+        const bb_cell tree = {{[BB_SCENE] = scene, [BB_BUILDER] = ways[w][0]}};
+        assert_true(number(table, tree, "tree_bytes") > 0);
+        const bb_cell phase = {
+            {[BB_SCENE] = scene, [BB_BUILDER] = ways[w][0], [BB_MAKER] = "codes"}};
+        assert_true(number(table, phase, "phase_ms") > 0);
     }
+    assert_string_not_equal(bb_table_get_text(table, 0, "device"), "");
+    assert_string_equal(bb_table_get_text(table, 0, "seed"), "1");
 }
 
 static int access_in_folder(const char *name)
@@ -78,15 +87,19 @@ static void slices_are_compared_and_drawn(void **state)
                            "--slices 4 --size 40x30 --axis y --repeats 6 --out sliced");
     if (o->exit_status != 0)
         fail_msg("exit %d: %s%s", o->exit_status, o->out, o->err);
-    assert_non_null(strstr(o->out, "4 slices of 40 x 30 voxels across y"));
-    cJSON *root = read_json("sliced/slice.json", "bvhbench-slice/1");
-    const cJSON *result = cJSON_GetArrayItem(cJSON_GetObjectItem(root, "results"), 0);
-    expect_ways(result, "slice", "voxels_that_differ");
-    assert_true(number(result, "voxels") == 4 * 40 * 30);
-    const double filled = number(result, "voxels_filled");
+    assert_non_null(strstr(o->out, "slices 4; width 40; height 30; across y"));
+    bb_table *table = read_table("sliced/slice.json");
+    const char *name = "tets:side=6,shape=shell";
+    const bb_cell scene = {{[BB_SCENE] = name}};
+    expect_ways(table, name, 6);
+    assert_true(number(table, scene, "voxels") == 4 * 40 * 30);
+    const double filled = number(table, scene, "voxels_filled");
     assert_true(filled > 1000 && filled < 4 * 40 * 30);
-    assert_true(number(result, "voxels_extended") > 10);
-    cJSON_Delete(root);
+    assert_true(number(table, scene, "voxels_extended") > 10);
+    const bb_cell last = {{[BB_SCENE] = name, [BB_QUESTION] = "slice 3"}};
+    assert_string_equal(bb_table_get_text(table, bb_table_find(table, last), "picture"),
+                        "slice-1-003.png");
+    bb_table_free(table);
 
     static char file[1 << 17];
     double material = 0;
@@ -94,12 +107,12 @@ static void slices_are_compared_and_drawn(void **state)
     if (bb_exr_check() != BB_OK)
         return;
     for (int i = 0; i < 4; i++) {
-        char name[64];
+        char exr[64];
         float *values = NULL;
         uint32_t width, height;
-        snprintf(name, sizeof name, "sliced/slice-1-00%d.exr", i);
-        size_t size = read_file(name, file, sizeof file);
-        ASSERT_OK(bb_exr_read(name, file, size, "YA", &values, &width, &height));
+        snprintf(exr, sizeof exr, "sliced/slice-1-00%d.exr", i);
+        size_t size = read_file(exr, file, sizeof file);
+        ASSERT_OK(bb_exr_read(exr, file, size, "YA", &values, &width, &height));
         assert_true(width == 40 && height == 30);
         for (uint32_t p = 0; p < width * height; p++) {
             material += values[2 * p + 1] > 0;
@@ -118,14 +131,16 @@ static void overlaps_are_compared_and_drawn(void **state)
     if (o->exit_status != 0)
         fail_msg("exit %d: %s%s", o->exit_status, o->out, o->err);
     assert_non_null(strstr(o->out, "tets:side=5,shape=block, fitted by 0.5"));
-    cJSON *root = read_json("lapped/overlap.json", "bvhbench-overlap/1");
-    const cJSON *result = cJSON_GetArrayItem(cJSON_GetObjectItem(root, "results"), 0);
-    expect_ways(result, "overlap", "tetrahedra_that_differ");
-    const cJSON *meshes = cJSON_GetObjectItem(result, "meshes");
-    const cJSON *a = cJSON_GetArrayItem(meshes, 0), *b = cJSON_GetArrayItem(meshes, 1);
-    assert_true(number(a, "meeting") > 0 && number(a, "meeting") < number(a, "tetrahedra"));
-    assert_true(number(b, "meeting") == 750 && number(b, "tetrahedra") == 750);
-    cJSON_Delete(root);
+    bb_table *table = read_table("lapped/overlap.json");
+    const char *name = "tets:side=6 and tets:side=5,shape=block, fitted by 0.5";
+    const bb_cell a = {{[BB_SCENE] = name, [BB_QUESTION] = "A: tets:side=6"}};
+    const bb_cell b = {
+        {[BB_SCENE] = name, [BB_QUESTION] = "B: tets:side=5,shape=block, fitted by 0.5"}};
+    expect_ways(table, name, 6);
+    assert_true(number(table, a, "meeting") > 0 &&
+                number(table, a, "meeting") < number(table, a, "tetrahedra"));
+    assert_true(number(table, b, "meeting") == 750 && number(table, b, "tetrahedra") == 750);
+    bb_table_free(table);
     static char png[1 << 18];
     assert_true(read_file("lapped/apart-three-quarter.png", png, sizeof png) > 1000);
 }
@@ -138,11 +153,25 @@ static void a_mesh_overlaps_itself(void **state)
         "overlap tets:side=3 tets:side=3 --builder olbvh --search octree --repeats 1 --out self");
     if (o->exit_status != 0)
         fail_msg("exit %d: %s%s", o->exit_status, o->out, o->err);
-    cJSON *root = read_json("self/overlap.json", "bvhbench-overlap/1");
-    const cJSON *result = cJSON_GetArrayItem(cJSON_GetObjectItem(root, "results"), 0);
-    const cJSON *mesh = cJSON_GetArrayItem(cJSON_GetObjectItem(result, "meshes"), 0);
-    assert_true(number(mesh, "meeting") == number(mesh, "tetrahedra"));
-    cJSON_Delete(root);
+    bb_table *table = read_table("self/overlap.json");
+    const bb_cell cell = {
+        {[BB_SCENE] = "tets:side=3 and tets:side=3", [BB_QUESTION] = "A: tets:side=3"}};
+    assert_true(number(table, cell, "meeting") == number(table, cell, "tetrahedra"));
+    bb_table_free(table);
+}
+
+/* A scene may be measured twice; then it has two names. */
+static void a_scene_may_be_there_twice(void **state)
+{
+    (void)state;
+    const outcome *o = run("slice --scene tets:side=2 --scene tets:side=2 --builder lbvh --search "
+                           "skip --slices 1 --size 4x4 --repeats 1 --out twice");
+    assert_int_equal(o->exit_status, 0);
+    bb_table *table = read_table("twice/slice.json");
+    assert_int_not_equal(bb_table_find(table, (bb_cell){{[BB_SCENE] = "tets:side=2"}}), BB_NO_ROW);
+    assert_int_not_equal(bb_table_find(table, (bb_cell){{[BB_SCENE] = "tets:side=2 (2)"}}),
+                         BB_NO_ROW);
+    bb_table_free(table);
 }
 
 static void what_cannot_be_is_said_in_one_line(void **state)
@@ -177,6 +206,7 @@ int main(void)
         cmocka_unit_test(slices_are_compared_and_drawn),
         cmocka_unit_test(overlaps_are_compared_and_drawn),
         cmocka_unit_test(a_mesh_overlaps_itself),
+        cmocka_unit_test(a_scene_may_be_there_twice),
         cmocka_unit_test(what_cannot_be_is_said_in_one_line),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);

@@ -1,10 +1,9 @@
 /* bvhbench overlap: where two meshes overlap. */
 #include "framework/base/interrupt.h"
-#include "framework/cli/contest_options.h"
+#include "framework/cli/contest_output.h"
 #include "framework/cli/inputs.h"
 #include "framework/device/device_private.h"
 #include "framework/overlap/overlap_contest.h"
-#include "framework/report/report.h"
 #include "framework/scene/tets_gather.h"
 
 #include <stdio.h>
@@ -16,6 +15,7 @@ typedef struct job {
     bb_overlap_request request;
     bb_overlap_result result;
     bb_scene *scenes[2];
+    bb_contest_output output;
     bool wrong;
 } job;
 
@@ -74,44 +74,22 @@ static bb_status load(job *j, char *const *names)
 
 /* ---- the work ---- */
 
-static bb_status paint(const job *j, cJSON *files)
-{
-    const char *out = j->choice.out;
-    char path[PATH_MAX];
-    if (out == NULL)
-        return BB_OK;
-    BB_TRY(bb_join_path(path, out, "apart"));
-    return bb_overlap_paint(j->scenes, &j->result, path, files);
-}
-
 /* With the pictures that there are: a failure of theirs loses nothing else. */
-static bb_status write(const job *j)
-{
-    cJSON *document, *results, *files = cJSON_CreateArray();
-    const bb_status painted = paint(j, files);
-    if (!bb_contest_document("bvhbench-overlap/1", j->request.device, &document, &results)) {
-        cJSON_Delete(files);
-        return bb_fail(BB_REFUSED, "no memory for the results");
-    }
-    char why[1024];
-    snprintf(why, sizeof why, "%s", painted != BB_OK ? bb_message() : "");
-    bb_status status = bb_contest_add(results, bb_overlap_json(&j->result), files);
-    if (status == BB_OK)
-        status = bb_contest_write(&j->choice, document, "overlap", bb_report_contest);
-    cJSON_Delete(document);
-    return status == BB_OK && painted != BB_OK ? bb_fail(painted, "%s", why) : status;
-}
-
 static bb_status overlap(job *j)
 {
+    char why[1024] = "";
+    bb_status painted = BB_OK;
     for (int s = 0; s < 2; s++)
         BB_TRY(bb_scene_upload(j->scenes[s], j->request.device));
+    BB_TRY(bb_contest_output_begin(&j->output, j->request.device, j->request.seed));
     BB_TRY(bb_overlap_run(&j->request, j->scenes, &j->result));
-    for (uint32_t w = 0; w < j->result.way_count; w++)
-        j->wrong = j->wrong || j->result.ways[w].differ > 0;
-    if (bb_contest_prints(&j->choice, j->request.device, NULL))
-        bb_overlap_print(&j->result);
-    return write(j);
+    if (j->choice.out != NULL)
+        painted = bb_overlap_paint(j->scenes, j->choice.out, &j->result);
+    if (painted != BB_OK)
+        snprintf(why, sizeof why, "%s", bb_message());
+    bb_overlap_fill(&j->result, j->output.table);
+    BB_TRY(bb_contest_output_scene(&j->output));
+    return painted == BB_OK ? BB_OK : bb_fail(painted, "%s", why);
 }
 
 static bb_status work(job *j, char *const *names)
@@ -121,7 +99,7 @@ static bb_status work(job *j, char *const *names)
     BB_TRY(load(j, names));
     BB_TRY(bb_open_device(&j->choice.device, &j->request.device));
     bb_interrupt_catch();
-    return overlap(j);
+    return bb_contest_output_end(&j->output, overlap(j), &j->wrong);
 }
 
 static bb_status run(const bb_cli *cli, void *values, int *exit_status)
@@ -129,6 +107,7 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
     job *j = values;
     if (cli->positional_count != 2)
         return bb_fail(BB_INVALID, "overlap takes two meshes: see `bvhbench overlap --help`");
+    j->output = (bb_contest_output){.outline = &bb_overlap_outline, .choice = &j->choice};
     bb_status status = work(j, cli->positional);
     return bb_contest_end(status, j->wrong, exit_status);
 }

@@ -1,10 +1,9 @@
 /* bvhbench slice: slices of a mesh, filled conservatively. */
 #include "framework/base/interrupt.h"
-#include "framework/cli/contest_options.h"
+#include "framework/cli/contest_output.h"
 #include "framework/cli/inputs.h"
 #include "framework/device/device_private.h"
 #include "framework/picture/exr.h"
-#include "framework/report/report.h"
 #include "framework/slice/slice_contest.h"
 
 #include <stdio.h>
@@ -15,7 +14,7 @@ typedef struct job {
     bool paper;
     bb_slice_request request;
     bb_slice_result result;
-    cJSON *document, *results;
+    bb_contest_output output;
     bool wrong;
 } job;
 
@@ -64,46 +63,31 @@ static bb_status read_request(job *j)
 
 static bb_status slice(job *j, bb_scene *scene, size_t number)
 {
-    char folder[64], path[PATH_MAX];
+    char name[64], path[PATH_MAX];
     const char *out = j->choice.out;
     BB_TRY(bb_scene_upload(scene, j->request.device));
+    snprintf(name, sizeof name, "slice-%zu", number);
     if (out != NULL) {
-        snprintf(folder, sizeof folder, "slice-%zu", number);
-        BB_TRY(bb_join_path(path, out, folder));
+        BB_TRY(bb_join_path(path, out, name));
         j->request.pictures = path;
     }
-    j->request.picture_files = cJSON_CreateArray();
-    bb_status status = bb_slice_run(&j->request, scene, &j->result);
-    if (status != BB_OK) {
-        cJSON_Delete(j->request.picture_files);
-        return status;
-    }
-    for (uint32_t w = 0; w < j->result.way_count; w++)
-        j->wrong = j->wrong || j->result.ways[w].differ > 0;
-    if (bb_contest_prints(&j->choice, j->request.device, j->results))
-        bb_slice_print(&j->result);
-    return bb_contest_add(j->results, bb_slice_json(&j->result), j->request.picture_files);
+    BB_TRY(bb_slice_run(&j->request, scene, &j->result));
+    bb_contest_output_name(&j->output, j->result.scene, sizeof j->result.scene);
+    bb_slice_fill(&j->result, out != NULL ? name : NULL, j->output.table);
+    return bb_contest_output_scene(&j->output);
 }
 
 static bb_status slice_all(job *j)
 {
-    if (!bb_contest_document("bvhbench-slice/1", j->request.device, &j->document, &j->results))
-        return bb_fail(BB_REFUSED, "no memory for the results");
-    bb_status status = BB_OK;
-    for (size_t i = 0; i < j->scenes.count && status == BB_OK && !bb_interrupted(); i++) {
+    BB_TRY(bb_contest_output_begin(&j->output, j->request.device, j->request.seed));
+    for (size_t i = 0; i < j->scenes.count && !bb_interrupted(); i++) {
         bb_scene *scene;
-        status = bb_scene_load_any(j->scenes.items[i], &scene);
-        if (status != BB_OK)
-            break;
-        status = slice(j, scene, i + 1);
+        BB_TRY(bb_scene_load_any(j->scenes.items[i], &scene));
+        bb_status status = slice(j, scene, i + 1);
         bb_scene_free(scene);
+        BB_TRY(status);
     }
-    /* what was measured before a failure is kept */
-    bb_status written = BB_OK;
-    if (status == BB_OK || cJSON_GetArraySize(j->results) > 0)
-        written = bb_contest_write(&j->choice, j->document, "slice", bb_report_contest);
-    cJSON_Delete(j->document);
-    return status != BB_OK ? status : written;
+    return BB_OK;
 }
 
 static bb_status work(job *j)
@@ -112,13 +96,14 @@ static bb_status work(job *j)
     BB_TRY(read_request(j));
     BB_TRY(bb_open_device(&j->choice.device, &j->request.device));
     bb_interrupt_catch();
-    return slice_all(j);
+    return bb_contest_output_end(&j->output, slice_all(j), &j->wrong);
 }
 
 static bb_status run(const bb_cli *cli, void *values, int *exit_status)
 {
     (void)cli;
     job *j = values;
+    j->output = (bb_contest_output){.outline = &bb_slice_outline, .choice = &j->choice};
     bb_status status = work(j);
     return bb_contest_end(status, j->wrong, exit_status);
 }

@@ -1,8 +1,8 @@
 #include "framework/overlap/overlap_contest.h"
 
 #include "framework/base/memory.h"
+#include "framework/contest/contest_table.h"
 #include "framework/contest/tet_runner.h"
-#include "framework/record/put.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -81,6 +81,8 @@ static bb_status prepare(overlapping *o)
         if (request->without)
             BB_TRY(bb_tet_list_make(scene, &o->lists[s]));
     }
+    snprintf(o->result->scene, sizeof o->result->scene, "%s and %s", o->scenes[0]->name,
+             o->scenes[1]->name);
     BB_TRY(bb_overlapper_create(request->device, &o->overlapper));
     for (int s = 0; s < 2; s++)
         BB_TRY(bb_overlap_check(o->overlapper, o->scenes[s], o->scenes[1 - s]));
@@ -150,89 +152,52 @@ void bb_overlap_release(bb_overlap_result *result)
     }
 }
 
-/* ---- as text, as JSON ---- */
+/* ---- as rows of a table ---- */
 
-static void print_way(const bb_overlap_result *r, const bb_contest_way *way)
+#define NUMBER BB_COLUMN_NUMBER, BB_SENSE_EXACT, BB_BETTER_NEITHER
+
+static const bb_column flat = {
+    "flat_tetrahedra", "without a volume", "", "Tetrahedra of the mesh.", NUMBER, 0};
+static const bb_column meeting = {
+    "meeting", "meet the other mesh", "", "Tetrahedra of the mesh.", NUMBER, 0};
+
+const bb_page_outline bb_overlap_outline = {
+    .command = "overlap",
+    .title = "bvhbench: overlaps of meshes",
+    .views = bb_contest_views,
+    .view_count = BB_CONTEST_VIEWS,
+    .note = "ms: medians of the rounds, of both trees and both directions. answer: which "
+            "tetrahedra meet the other mesh. / first: the ratio to the first way, paired round by "
+            "round (95 %). all: build, layout and answer. nodes, tests: of nodes and of pairs per "
+            "tetrahedron. differ: tetrahedra whose answers differ from those of the first way. *: "
+            "the best, and those tied with it.",
+    .wrong = "differ",
+    .well = "All answers are the same to the last bit.",
+    .ill = "answers differ from those of the first way.",
+};
+
+static void fill_pictures(const bb_overlap_result *r, bb_table *table)
 {
-    if (!bb_contest_print_name(way))
-        return;
-    printf(" %9.2f", bb_samples_median(&way->answer));
-    if (way == bb_contest_base(r->ways, r->way_count)) {
-        printf(" %24s", "");
-    } else {
-        bb_estimate ratio = bb_contest_ratio(bb_contest_base(r->ways, r->way_count), way, false);
-        printf(" %7.3f", ratio.value);
-        bb_contest_print_interval(ratio);
+    for (uint32_t v = 0; v < r->picture_count; v++) {
+        const bb_cell cell = {{[BB_SCENE] = r->scene, [BB_QUESTION] = r->pictures[v]}};
+        bb_table_set_text(table, bb_table_row(table, cell), &bb_column_picture, r->pictures[v]);
     }
-    printf(" %8.1f %8.2f %llu\n", way->visits, way->work, (unsigned long long)way->differ);
 }
 
-void bb_overlap_print(const bb_overlap_result *r)
+void bb_overlap_fill(const bb_overlap_result *r, bb_table *table)
 {
-    const uint64_t tets = (uint64_t)r->meshes[0].tets + r->meshes[1].tets;
+    const double tets = (double)r->meshes[0].tets + r->meshes[1].tets;
     for (int s = 0; s < 2; s++) {
         const bb_overlap_mesh *mesh = &r->meshes[s];
-        printf("%s\n %u tetrahedra, %u on the boundary, %u without a volume; %u meet the other "
-               "mesh\n",
-               mesh->scene, mesh->tets, mesh->boundary, mesh->flat, mesh->meeting);
+        char name[sizeof mesh->scene + 4];
+        snprintf(name, sizeof name, "%c: %s", "AB"[s], mesh -> scene);
+        const bb_cell cell = {{[BB_SCENE] = r->scene, [BB_QUESTION] = name}};
+        const uint32_t row = bb_table_row(table, cell);
+        bb_table_set_number(table, row, &bb_column_tetrahedra, mesh->tets);
+        bb_table_set_number(table, row, &bb_column_boundary, mesh->boundary);
+        bb_table_set_number(table, row, &flat, mesh->flat);
+        bb_table_set_number(table, row, &meeting, mesh->meeting);
     }
-    printf("\n %-38s%8s %8s %9s %7s %-16s %8s %8s %s\n", "", "build", "layout", "overlap",
-           "overlap", "/first", "nodes", "tests", "differ");
-    for (uint32_t w = 0; w < r->way_count; w++)
-        print_way(r, &r->ways[w]);
-    printf(" ms, medians of %u rounds, of both trees and both directions; overlap /first: paired "
-           "round by round (95 %%);\n nodes and tests of pairs: per tetrahedron; differ: "
-           "tetrahedra, from the first way\n\n",
-           bb_contest_rounds(r->ways, r->way_count));
-    bb_contest_print_trees(r->ways, r->way_count, tets);
-    bb_contest_print_phases(r->ways, r->way_count);
-    printf("\n");
-}
-
-static bool put_way(cJSON *list, const bb_overlap_result *r, const bb_contest_way *way)
-{
-    cJSON *entry;
-    bool put =
-        bb_contest_put_way(list, bb_contest_base(r->ways, r->way_count), way, "overlap", &entry);
-    if (entry == NULL || !put)
-        return put;
-    return bb_put_number(entry, "nodes_per_tetrahedron", way->visits) &&
-           bb_put_number(entry, "tests_per_tetrahedron", way->work) &&
-           bb_put_number(entry, "tetrahedra_that_differ", (double)way->differ);
-}
-
-static bool put_mesh(cJSON *list, const bb_overlap_mesh *mesh)
-{
-    cJSON *entry = cJSON_CreateObject();
-    if (entry == NULL || !cJSON_AddItemToArray(list, entry)) {
-        cJSON_Delete(entry);
-        return false;
-    }
-    return bb_put_text(entry, "scene", mesh->scene) &&
-           bb_put_number(entry, "tetrahedra", mesh->tets) &&
-           bb_put_number(entry, "boundary_tetrahedra", mesh->boundary) &&
-           bb_put_number(entry, "flat_tetrahedra", mesh->flat) &&
-           bb_put_number(entry, "meeting", mesh->meeting);
-}
-
-static bool put_result(cJSON *root, const bb_overlap_result *r)
-{
-    cJSON *meshes = cJSON_CreateArray();
-    bool put = bb_put(root, "meshes", meshes);
-    for (int s = 0; s < 2 && put; s++)
-        put = put_mesh(meshes, &r->meshes[s]);
-    cJSON *ways = cJSON_CreateArray();
-    put = bb_put(root, "ways", ways) && put;
-    for (uint32_t w = 0; w < r->way_count && put; w++)
-        put = put_way(ways, r, &r->ways[w]);
-    return put;
-}
-
-cJSON *bb_overlap_json(const bb_overlap_result *result)
-{
-    cJSON *root = cJSON_CreateObject();
-    if (root != NULL && put_result(root, result))
-        return root;
-    cJSON_Delete(root);
-    return NULL;
+    bb_contest_fill(table, r->scene, r->ways, r->way_count, tets, tets);
+    fill_pictures(r, table);
 }

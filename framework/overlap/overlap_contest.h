@@ -5,6 +5,7 @@
 
 #include "framework/contest/contest.h"
 #include "framework/overlap/overlap.h"
+#include "framework/show/outline.h"
 
 typedef struct bb_overlap_request {
     bb_device *device;
@@ -26,7 +27,10 @@ typedef struct bb_overlap_mesh {
 } bb_overlap_mesh;
 
 typedef struct bb_overlap_result {
+    char scene[520]; /* "A and B" */
     bb_overlap_mesh meshes[2];
+    uint32_t picture_count;
+    char pictures[BB_VIEWS_MAX][64]; /* names of PNG files */
     uint32_t way_count;
     bb_contest_way ways[BB_CONTEST_WAYS_MAX];
 } bb_overlap_result;
@@ -38,15 +42,14 @@ bb_status bb_overlap_run(const bb_overlap_request *request, bb_scene *const scen
                          bb_overlap_result *result);
 void bb_overlap_release(bb_overlap_result *result);
 
-/* Shows both meshes without what meets the other, from outside, as PNG files; `path` is their
- * beginning, the array `files` gets their names. */
-struct cJSON;
-bb_status bb_overlap_paint(bb_scene *const scenes[2], const bb_overlap_result *result,
-                           const char *path, struct cJSON *files);
+/* Shows both meshes without what meets the other, from outside, as PNG files of `folder`; the
+ * result gets their names. */
+bb_status bb_overlap_paint(bb_scene *const scenes[2], const char *folder,
+                           bb_overlap_result *result);
 
-void bb_overlap_print(const bb_overlap_result *result);
+extern const bb_page_outline bb_overlap_outline;
 
-/* README.md has the schema. NULL: no memory. The caller's to delete. */
-struct cJSON *bb_overlap_json(const bb_overlap_result *result);
+/* Adds the result to a table. */
+void bb_overlap_fill(const bb_overlap_result *result, bb_table *table);
 
 #endif

@@ -54,8 +54,7 @@ static bb_status paint_view(const bb_scene *scene, bb_oracle *oracle, const bb_v
     return status;
 }
 
-bb_status bb_overlap_paint(bb_scene *const scenes[2], const bb_overlap_result *result,
-                           const char *path, struct cJSON *files)
+bb_status bb_overlap_paint(bb_scene *const scenes[2], const char *folder, bb_overlap_result *result)
 {
     bb_tets_part parts[2];
     bb_scene *left;
@@ -68,11 +67,11 @@ bb_status bb_overlap_paint(bb_scene *const scenes[2], const bb_overlap_result *r
     BB_TRY(bb_tets_gather("what does not overlap", parts, 2, &left));
     bb_status status = bb_oracle_create(left, 0, &oracle);
     for (uint32_t v = 0; v < left->view_count && status == BB_OK; v++) {
-        char file[4096];
-        snprintf(file, sizeof file, "%s-%s.png", path, left->views[v].name);
-        status = paint_view(left, oracle, &left->views[v], first_of_second, file);
-        if (status == BB_OK)
-            status = bb_contest_add_file(files, file);
+        char *name = result->pictures[result->picture_count], path[4096];
+        snprintf(name, sizeof result->pictures[0], "apart-%.48s.png", left->views[v].name);
+        snprintf(path, sizeof path, "%s/%s", folder, name);
+        status = paint_view(left, oracle, &left->views[v], first_of_second, path);
+        result->picture_count += status == BB_OK;
     }
     bb_oracle_destroy(oracle);
     bb_scene_free(left);

@@ -165,12 +165,17 @@ static const char *text_of(const shown *s, uint32_t group, const bb_view_column 
     return bb_table_get_text(s->table, s->rows[s->groups[group]], column->parts[0]);
 }
 
-static bool any_value(const shown *s, const bb_view_column *column)
+static bool has_value(const shown *s, uint32_t group, const bb_view_column *column)
 {
     const bb_column *of = declared(s, column);
-    for (uint32_t g = 0; of != NULL && g < s->group_count; g++)
-        if (of->kind == BB_COLUMN_TEXT ? text_of(s, g, column)[0] != '\0'
-                                       : !isnan(figure_of(s, g, column).value))
+    return of != NULL && (of->kind == BB_COLUMN_TEXT ? text_of(s, group, column)[0] != '\0'
+                                                     : !isnan(figure_of(s, group, column).value));
+}
+
+static bool any_value(const shown *s, const bb_view_column *column)
+{
+    for (uint32_t g = 0; g < s->group_count; g++)
+        if (has_value(s, g, column))
             return true;
     return false;
 }
@@ -250,6 +255,11 @@ static void add_rows(const shown *s, const bb_view_column *const *columns, uint3
         best[i] = best_of(s, columns[i], declared(s, columns[i])->better);
     for (uint32_t place = 0; place < s->group_count; place++) {
         const uint32_t g = group_at(s, place);
+        uint32_t known = 0;
+        while (known < count && !has_value(s, g, columns[known]))
+            known++;
+        if (known == count)
+            continue;
         for (int d = 0; d < BB_DIMENSIONS; d++)
             if ((s->view->rows & BB_SET(d)) != 0 && any_name(s, (bb_dimension)d))
                 bb_page_put_text(page,

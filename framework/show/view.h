@@ -11,7 +11,8 @@ enum { BB_VIEW_COLUMNS = 20, BB_VIEW_PARTS = 4 };
 #define BB_SET(dimension) (1u << (dimension))
 
 /* Columns of the table, by name, added up round by round; those that a row lacks are left out.
- * Columns of the grid without a value in any row are left out, too. */
+ * Columns of the grid without a value in any row are left out, and rows without one in any column.
+ */
 typedef struct bb_view_column {
     const char *parts[BB_VIEW_PARTS];
     const char *heading; /* NULL: that of the first part */

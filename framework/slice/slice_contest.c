@@ -1,12 +1,11 @@
 #include "framework/slice/slice_contest.h"
 
 #include "framework/base/memory.h"
+#include "framework/contest/contest_table.h"
 #include "framework/contest/tet_runner.h"
 #include "framework/picture/exr.h"
 #include "framework/picture/image.h"
-#include "framework/record/put.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -79,7 +78,6 @@ static bb_status write(const slicing *s, uint32_t number, const bb_sliced *voxel
     paint(s, voxels, rgb, numbers);
     snprintf(path, sizeof path, "%s-%03u.png", s->request->pictures, number);
     BB_TRY(bb_image_write(path, rgb, plan->width, plan->height));
-    BB_TRY(bb_contest_add_file(s->request->picture_files, path));
     snprintf(path, sizeof path, "%s-%03u.exr", s->request->pictures, number);
     return s->request->exr ? bb_exr_write(path, numbers, "YA", plan->width, plan->height) : BB_OK;
 }
@@ -178,85 +176,76 @@ bb_status bb_slice_run(const bb_slice_request *request, bb_scene *scene, bb_slic
     return status;
 }
 
-/* ---- as text, as JSON ---- */
+/* ---- as rows of a table ---- */
 
-static void print_way(const bb_slice_result *r, const bb_contest_way *way)
+#define NUMBER BB_COLUMN_NUMBER, BB_SENSE_EXACT, BB_BETTER_NEITHER
+
+static const bb_column axis = {
+    "axis",         "across",          "", "Across which axis slices lie.", BB_COLUMN_TEXT,
+    BB_SENSE_EXACT, BB_BETTER_NEITHER, 0};
+static const bb_column width = {"width", "width", "", "Of a slice, in voxels.", NUMBER, 0};
+static const bb_column height = {"height", "height", "", "Of a slice, in voxels.", NUMBER, 0};
+static const bb_column slices = {"slices", "slices", "", "How many.", NUMBER, 0};
+static const bb_column thickness = {"thickness", "thickness", "", "Of a slice, in scene units.",
+                                    NUMBER,      -1};
+static const bb_column voxels = {"voxels", "voxels", "", "Of all slices.", NUMBER, 0};
+static const bb_column filled = {
+    "voxels_filled", "voxels with material", "", "Of all slices.", NUMBER, 0};
+static const bb_column filled_part = {"filled_percent", "with material", "%",
+                                      "Of all voxels.", NUMBER,          1};
+static const bb_column extended = {"voxels_extended",
+                                   "voxels by a tetrahedron beside the centre",
+                                   "",
+                                   "Of all slices.",
+                                   NUMBER,
+                                   0};
+static const bb_column extended_part = {
+    "extended_percent", "by a tetrahedron beside the centre", "%", "Of all voxels.", NUMBER, 1};
+
+const bb_page_outline bb_slice_outline = {
+    .command = "slice",
+    .title = "bvhbench: slices of meshes",
+    .views = bb_contest_views,
+    .view_count = BB_CONTEST_VIEWS,
+    .note =
+        "ms: medians of the rounds. answer: a slice, the mean of all. / first: the ratio to the "
+        "first way, paired round by round (95 %). all: build, layout and answer. M/s: millions "
+        "of voxels per second. nodes, tests: of nodes and tetrahedra per voxel. differ: voxels "
+        "that differ from those of the first way. *: the best, and those tied with it.",
+    .wrong = "differ",
+    .well = "All answers are the same to the last bit.",
+    .ill = "answers differ from those of the first way.",
+};
+
+static void fill_pictures(const bb_slice_result *r, const char *pictures, bb_table *table)
 {
-    const double per_slice = (double)r->voxels / r->plan.count;
-    if (!bb_contest_print_name(way))
-        return;
-    const double ms = bb_samples_median(&way->answer);
-    printf(" %9.2f", ms);
-    if (way == bb_contest_base(r->ways, r->way_count)) {
-        printf(" %24s", "");
-    } else {
-        bb_estimate ratio = bb_contest_ratio(bb_contest_base(r->ways, r->way_count), way, false);
-        printf(" %7.3f", ratio.value);
-        bb_contest_print_interval(ratio);
+    for (uint32_t n = 0; pictures != NULL && n < r->plan.count; n++) {
+        char question[32], path[300];
+        snprintf(question, sizeof question, "slice %u", n);
+        snprintf(path, sizeof path, "%.255s-%03u.png", pictures, n);
+        const bb_cell cell = {{[BB_SCENE] = r->scene, [BB_QUESTION] = question}};
+        bb_table_set_text(table, bb_table_row(table, cell), &bb_column_picture, path);
     }
-    printf(" %9.3f %8.1f %8.1f %llu\n", per_slice / ms / 1e3, way->visits, way->work,
-           (unsigned long long)way->differ);
 }
 
-void bb_slice_print(const bb_slice_result *r)
+void bb_slice_fill(const bb_slice_result *r, const char *pictures, bb_table *table)
 {
-    printf("%s\n %u tetrahedra, %u on the boundary, field '%s'\n", r->scene, r->tets, r->boundary,
-           r->field);
-    printf(" %u slices of %u x %u voxels across %c, %g thick; %llu voxels in all: %.1f %% with "
-           "material, %.1f %% by a tetrahedron beside the centre\n\n",
-           r->plan.count, r->plan.width, r->plan.height, "xyz"[r->plan.axis], r -> plan.thickness,
-           (unsigned long long)r->voxels, 100.0 * (double)r->filled / (double)r->voxels,
-           100.0 * (double)r->extended / (double)r->voxels);
-    printf(" %-38s%8s %8s %9s %7s %-16s %9s %8s %8s %s\n", "", "build", "layout", "slice", "slice",
-           "/first", "M/s", "nodes", "tests", "differ");
-    for (uint32_t w = 0; w < r->way_count; w++)
-        print_way(r, &r->ways[w]);
-    printf(" ms, medians of %u rounds; of slices the mean, and the ratio to that of the first way, "
-           "paired round by round (95 %%);\n M/s: millions of voxels per second; nodes and tests "
-           "of tetrahedra: per voxel; differ: voxels, from the first way\n\n",
-           bb_contest_rounds(r->ways, r->way_count));
-    bb_contest_print_trees(r->ways, r->way_count, r->tets);
-    bb_contest_print_phases(r->ways, r->way_count);
-    printf("\n");
-}
-
-static bool put_way(cJSON *list, const bb_slice_result *r, const bb_contest_way *way)
-{
-    cJSON *entry;
-    bool put =
-        bb_contest_put_way(list, bb_contest_base(r->ways, r->way_count), way, "slice", &entry);
-    if (entry == NULL || !put)
-        return put;
-    return bb_put_number(entry, "nodes_per_voxel", way->visits) &&
-           bb_put_number(entry, "tests_per_voxel", way->work) &&
-           bb_put_number(entry, "voxels_that_differ", (double)way->differ);
-}
-
-static bool put_result(cJSON *root, const bb_slice_result *r)
-{
-    const double size[2] = {r->plan.width, r->plan.height};
-    const char axis[2] = {"xyz"[r->plan.axis], '\0'};
-    cJSON *ways = cJSON_CreateArray();
-    bool put = bb_put_text(root, "scene", r->scene) && bb_put_text(root, "field", r->field) &&
-               bb_put_number(root, "tetrahedra", r->tets) &&
-               bb_put_number(root, "boundary_tetrahedra", r->boundary) &&
-               bb_put_text(root, "axis", axis) && bb_put_numbers(root, "size", size, 2) &&
-               bb_put_number(root, "slices", r->plan.count) &&
-               bb_put_number(root, "thickness", r->plan.thickness) &&
-               bb_put_number(root, "voxels", (double)r->voxels) &&
-               bb_put_number(root, "voxels_filled", (double)r->filled) &&
-               bb_put_number(root, "voxels_extended", (double)r->extended);
-    put = bb_put(root, "ways", ways) && put;
-    for (uint32_t w = 0; w < r->way_count && put; w++)
-        put = put_way(ways, r, &r->ways[w]);
-    return put;
-}
-
-cJSON *bb_slice_json(const bb_slice_result *result)
-{
-    cJSON *root = cJSON_CreateObject();
-    if (root != NULL && put_result(root, result))
-        return root;
-    cJSON_Delete(root);
-    return NULL;
+    const uint32_t row = bb_table_row(table, (bb_cell){{[BB_SCENE] = r->scene}});
+    const double all = (double)r->voxels;
+    const char across[2] = {"xyz"[r->plan.axis], '\0'};
+    bb_table_set_number(table, row, &bb_column_tetrahedra, r->tets);
+    bb_table_set_number(table, row, &bb_column_boundary, r->boundary);
+    bb_table_set_text(table, row, &bb_column_field, r->field);
+    bb_table_set_number(table, row, &slices, r->plan.count);
+    bb_table_set_number(table, row, &width, r->plan.width);
+    bb_table_set_number(table, row, &height, r->plan.height);
+    bb_table_set_text(table, row, &axis, across);
+    bb_table_set_number(table, row, &thickness, r->plan.thickness);
+    bb_table_set_number(table, row, &voxels, all);
+    bb_table_set_number(table, row, &filled, (double)r->filled);
+    bb_table_set_number(table, row, &filled_part, 100 * (double)r->filled / all);
+    bb_table_set_number(table, row, &extended, (double)r->extended);
+    bb_table_set_number(table, row, &extended_part, 100 * (double)r->extended / all);
+    bb_contest_fill(table, r->scene, r->ways, r->way_count, all / r->plan.count, r->tets);
+    fill_pictures(r, pictures, table);
 }

@@ -3,6 +3,7 @@
 #define BB_SLICE_CONTEST_H
 
 #include "framework/contest/contest.h"
+#include "framework/show/outline.h"
 #include "framework/slice/slice.h"
 
 typedef struct bb_slice_request {
@@ -15,9 +16,8 @@ typedef struct bb_slice_request {
     bb_slice_plan plan; /* see bb_slice_plan_check() */
     uint32_t repeats;   /* rounds that count, after one that does not */
     uint64_t seed;
-    bool quiet;                  /* no progress */
-    const char *pictures;        /* the beginning of paths of PNG and EXR files; NULL: none */
-    struct cJSON *picture_files; /* an array, which gets the names of PNG files */
+    bool quiet;           /* no progress */
+    const char *pictures; /* the beginning of paths of PNG and EXR files; NULL: none */
     bool exr;
 } bb_slice_request;
 
@@ -34,9 +34,10 @@ typedef struct bb_slice_result {
 /* The scene is on the device. What a builder or search cannot do is said in its way. */
 bb_status bb_slice_run(const bb_slice_request *request, bb_scene *scene, bb_slice_result *result);
 
-void bb_slice_print(const bb_slice_result *result);
+extern const bb_page_outline bb_slice_outline;
 
-/* README.md has the schema. NULL: no memory. The caller's to delete. */
-struct cJSON *bb_slice_json(const bb_slice_result *result);
+/* Adds the result to a table. `pictures`: what the names of its PNG files begin with, as in
+ * request.pictures, but from the table's folder; NULL: there are none. */
+void bb_slice_fill(const bb_slice_result *result, const char *pictures, bb_table *table);
 
 #endif

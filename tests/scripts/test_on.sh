@@ -146,8 +146,10 @@ row() { echo "{\"scene\":\"$scene\",\"builder\":\"$1\",\"kernel\":\"k\",\"query\
     echo "]}"
 } >"$out/results.json"
 way="\"builder\":\"b\",\"kernel\":\"skip\""
-for name in volume slice overlap; do
-    echo "{\"results\":[{\"ways\":[{$way,\"voxels_that_differ\":${STUB_DIFFER-0}},{$way,\"refused\":\"no room\"}]}]}" >"$out/$name.json"
+echo "{\"results\":[{\"ways\":[{$way,\"pixels_that_differ\":${STUB_DIFFER-0}},{$way,\"refused\":\"no room\"}]}]}" >"$out/volume.json"
+way="\"builder\":\"b\",\"intersector\":\"skip\""
+for name in slice overlap; do
+    echo "{\"rows\":[{\"device\":\"d\"},{$way,\"differ\":${STUB_DIFFER-0}},{$way,\"refused\":\"no room\"}]}" >"$out/$name.json"
 done'
 matrix 0
 says '^matrix: 26 right, 18 refused, 0 wrong'

@@ -12,8 +12,6 @@ function brief(value) {
                                                      : String(Number(value.toPrecision(3)));
 }
 
-const percent = (part, all) => `${brief(100 * part / all)} %`;
-
 /* What differs between the commands. */
 const tasks = {
   'bvhbench-volume/1': {
@@ -23,21 +21,6 @@ const tasks = {
       : `${r.voxels.join(' × ')} voxels of ${r.bits} bits; ${r.bricks_seen} of ${r.bricks} bricks seen; ${r.pictures} pictures, ${r.pixels} pixels in all.`,
     columns: [['samples per ray', w => w.samples_per_ray], ['largest difference', w => w.largest_difference]],
     differ: w => w.pixels_that_differ,
-  },
-  'bvhbench-slice/1': {
-    title: 'Slices of meshes', answer: 'slice',
-    name: r => r.scene,
-    facts: r => `${r.tetrahedra} tetrahedra, ${r.boundary_tetrahedra} on the boundary, field “${r.field}”; ${r.slices} slices of ${r.size.join(' × ')} voxels across ` +
-      `${r.axis}, ${brief(r.thickness)} thick: ${percent(r.voxels_filled, r.voxels)} with material, ${percent(r.voxels_extended, r.voxels)} by a tetrahedron beside the centre.`,
-    columns: [['nodes per voxel', w => w.nodes_per_voxel], ['tests per voxel', w => w.tests_per_voxel]],
-    differ: w => w.voxels_that_differ,
-  },
-  'bvhbench-overlap/1': {
-    title: 'Overlaps of meshes', answer: 'overlap',
-    name: r => r.meshes.map(m => m.scene).join(' and '),
-    facts: r => r.meshes.map(m => `${m.scene}: ${m.meeting} of ${m.tetrahedra} tetrahedra meet the other mesh`).join('; ') + '.',
-    columns: [['nodes per tetrahedron', w => w.nodes_per_tetrahedron], ['pairs per tetrahedron', w => w.tests_per_tetrahedron]],
-    differ: w => w.tetrahedra_that_differ,
   },
 };
 const task = tasks[page.schema];

@@ -1,0 +1,122 @@
+#include "framework/cli/contest_output.h"
+
+#include "framework/base/file.h"
+#include "framework/base/interrupt.h"
+#include "framework/cli/inputs.h"
+#include "framework/device/device_private.h"
+
+#include <inttypes.h>
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+
+extern const char bb_build_revision[];
+
+#define TEXT BB_COLUMN_TEXT, BB_SENSE_EXACT, BB_BETTER_NEITHER, 0
+
+static const bb_column device_column = {"device", "device", "", "The OpenCL device.", TEXT};
+static const bb_column revision = {"revision", "revision", "", "Of the program.", TEXT};
+static const bb_column seed_column = {"seed", "seed", "", "Of all that is random.", TEXT};
+static const bb_column interrupted = {"interrupted", "interrupted", "",
+                                      "Whether rounds are missing.", TEXT};
+
+static void set_run(bb_contest_output *output, const bb_column *column, const char *text)
+{
+    const uint32_t row = bb_table_row(output->table, (bb_cell){{NULL}});
+    bb_table_set_text(output->table, row, column, text);
+}
+
+bb_status bb_contest_output_begin(bb_contest_output *output, const bb_device *device, uint64_t seed)
+{
+    char digits[24];
+    snprintf(digits, sizeof digits, "%" PRIu64, seed);
+    BB_TRY(bb_table_create(output->outline->command, &output->table));
+    set_run(output, &device_column, device->name);
+    set_run(output, &revision, bb_build_revision);
+    set_run(output, &seed_column, digits);
+    return bb_table_status(output->table);
+}
+
+static bool has_scene(const bb_table *table, const char *name)
+{
+    for (uint32_t row = 0; row < bb_table_row_count(table); row++)
+        if (strcmp(bb_table_name(table, row, BB_SCENE), name) == 0)
+            return true;
+    return false;
+}
+
+void bb_contest_output_name(const bb_contest_output *output, char *name, size_t capacity)
+{
+    const size_t length = strnlen(name, capacity - 16);
+    for (unsigned n = 2; has_scene(output->table, name); n++)
+        snprintf(name + length, capacity - length, " (%u)", n);
+}
+
+bb_status bb_contest_output_scene(bb_contest_output *output)
+{
+    bb_page *page;
+    const bb_table *table = output->table;
+    BB_TRY(bb_table_status(table));
+    if (output->choice->json)
+        return BB_OK;
+    BB_TRY(bb_page_create(output->outline->title, &page));
+    if (!output->begun)
+        bb_outline_begin(table, page);
+    output->begun = true;
+    bb_outline_scene(output->outline, table,
+                     bb_table_name(table, bb_table_row_count(table) - 1, BB_SCENE), page);
+    bb_status status = bb_page_status(page);
+    if (status == BB_OK)
+        bb_page_print(page, stdout);
+    bb_page_free(page);
+    return status;
+}
+
+static bb_status write_files(const bb_contest_output *output)
+{
+    char name[80], path[PATH_MAX];
+    bb_page *page;
+    snprintf(name, sizeof name, "%s.json", output->outline->command);
+    BB_TRY(bb_join_path(path, output->choice->out, name));
+    BB_TRY(bb_table_write(output->table, path));
+    snprintf(name, sizeof name, "%s.html", output->outline->command);
+    BB_TRY(bb_join_path(path, output->choice->out, name));
+    BB_TRY(bb_outline_page(output->outline, output->table, &page));
+    bb_status status = bb_page_html(page, output->table, output->choice->out, path);
+    bb_page_free(page);
+    return status;
+}
+
+static bb_status print_json(const bb_table *table)
+{
+    char *text = bb_table_json(table);
+    if (text == NULL)
+        return bb_fail(BB_REFUSED, "no memory for the results");
+    printf("%s\n", text);
+    free(text);
+    return BB_OK;
+}
+
+/* Nothing, if nothing was measured. */
+static bb_status write_all(bb_contest_output *output)
+{
+    if (output->table == NULL || bb_table_row_count(output->table) <= 1)
+        return BB_OK;
+    if (bb_interrupted())
+        set_run(output, &interrupted, "yes");
+    BB_TRY(bb_table_status(output->table));
+    if (output->choice->json)
+        BB_TRY(print_json(output->table));
+    return output->choice->out != NULL ? write_files(output) : BB_OK;
+}
+
+bb_status bb_contest_output_end(bb_contest_output *output, bb_status status, bool *wrong)
+{
+    char why[1024];
+    snprintf(why, sizeof why, "%s", status != BB_OK ? bb_message() : "");
+    const bb_status written = write_all(output);
+    *wrong = output->table != NULL && bb_outline_wrong(output->outline, output->table) > 0;
+    bb_table_free(output->table);
+    output->table = NULL;
+    return status != BB_OK ? bb_fail(status, "%s", why) : written;
+}

@@ -1,0 +1,180 @@
+/* Ways as rows of a table, and the views of them. */
+#include "framework/contest/contest_table.h"
+
+#include <string.h>
+
+#define NUMBER BB_COLUMN_NUMBER, BB_SENSE_EXACT
+#define ROUNDS BB_COLUMN_ROUNDS, BB_SENSE_TIMED
+#define TEXT BB_COLUMN_TEXT, BB_SENSE_EXACT
+
+const bb_column bb_column_tetrahedra = {"tetrahedra", "tetrahedra",      "", "Of the mesh.",
+                                        NUMBER,       BB_BETTER_NEITHER, 0};
+const bb_column bb_column_boundary = {"boundary_tetrahedra",
+                                      "on the boundary",
+                                      "",
+                                      "Tetrahedra with a face that no other has.",
+                                      NUMBER,
+                                      BB_BETTER_NEITHER,
+                                      0};
+const bb_column bb_column_field = {"field", "field",           "", "Whose values are shown.",
+                                   TEXT,    BB_BETTER_NEITHER, 0};
+const bb_column bb_column_picture = {"picture", "picture",         "", "PNG file beside this one.",
+                                     TEXT,      BB_BETTER_NEITHER, 0};
+
+static const bb_column refused = {"refused", "refused",         "", "Why the way has no figures.",
+                                  TEXT,      BB_BETTER_NEITHER, 0};
+static const bb_column status = {"status", "status",          "", "Refused, or nothing.",
+                                 TEXT,     BB_BETTER_NEITHER, 0};
+static const bb_column build = {"build_ms", "build",        "ms", "Building the tree.",
+                                ROUNDS,     BB_BETTER_LESS, 2};
+static const bb_column layout = {
+    "layout_ms", "layout",       "ms", "Layout, and transfer of a tree that was made on the host.",
+    ROUNDS,      BB_BETTER_LESS, 2};
+static const bb_column answer = {
+    "answer_ms", "answer",       "ms", "An answer, such as a slice or a picture.",
+    ROUNDS,      BB_BETTER_LESS, 2};
+static const bb_column answer_cpu = {
+    "answer_cpu_ms", "answer CPU", "ms", "Processor time of an answer.", ROUNDS, BB_BETTER_LESS, 2};
+static const bb_column phase = {
+    "phase_ms", "phase", "ms", "A phase of the build, timed apart.", ROUNDS, BB_BETTER_NEITHER, 3};
+static const bb_column speed = {"mitems_per_s",
+                                "M/s",
+                                "",
+                                "Millions of items, such as voxels, answered per second.",
+                                BB_COLUMN_NUMBER,
+                                BB_SENSE_TIMED,
+                                BB_BETTER_MORE,
+                                3};
+static const bb_column visits = {"nodes_per_item", "nodes",        "", "Nodes visited per item.",
+                                 NUMBER,           BB_BETTER_LESS, 1};
+static const bb_column work = {
+    "tests_per_item", "tests",        "", "Primitives tested, or samples taken, per item.",
+    NUMBER,           BB_BETTER_LESS, 2};
+static const bb_column differ = {
+    "differ", "differ",          "", "Items whose answers differ from those of the first way.",
+    NUMBER,   BB_BETTER_NEITHER, 0};
+static const bb_column nodes = {"nodes", "nodes", "", "Of the tree.", NUMBER, BB_BETTER_LESS, 0};
+static const bb_column leaves = {"leaves", "leaves",          "", "Of the tree.",
+                                 NUMBER,   BB_BETTER_NEITHER, 0};
+static const bb_column references = {
+    "references", "references",   "", "Of the tree's leaves to primitives.",
+    NUMBER,       BB_BETTER_LESS, 0};
+static const bb_column per_primitive = {"references_per_primitive",
+                                        "references per primitive",
+                                        "",
+                                        "Of the tree.",
+                                        NUMBER,
+                                        BB_BETTER_LESS,
+                                        2};
+static const bb_column tree_bytes = {"tree_bytes", "tree",         "bytes", "Of the tree.",
+                                     NUMBER,       BB_BETTER_LESS, 0};
+static const bb_column bytes = {
+    "bytes", "most memory",  "bytes", "Of tree and scratch at most, and of the layout.",
+    NUMBER,  BB_BETTER_LESS, 0};
+
+static const bb_axes axes = {BB_DRAW_BARS, "ms", "", false, false};
+
+const bb_table_view bb_contest_views[BB_CONTEST_VIEWS] = {
+    {.caption = "Meshes",
+     .with = BB_SET(BB_QUESTION),
+     .rows = BB_SET(BB_QUESTION),
+     .columns = {{{"tetrahedra"}, NULL, false},
+                 {{"boundary_tetrahedra"}, NULL, false},
+                 {{"flat_tetrahedra"}, NULL, false},
+                 {{"meeting"}, NULL, false}}},
+    {.caption = "Ways",
+     .with = BB_SET(BB_INTERSECTOR),
+     .rows = BB_SET(BB_BUILDER) | BB_SET(BB_INTERSECTOR),
+     .columns = {{{"build_ms"}, NULL, false},
+                 {{"layout_ms"}, NULL, false},
+                 {{"answer_ms"}, NULL, false},
+                 {{"answer_ms"}, "answer / first", true},
+                 {{"build_ms", "layout_ms", "answer_ms"}, "all / first", true},
+                 {{"mitems_per_s"}, NULL, false},
+                 {{"nodes_per_item"}, NULL, false},
+                 {{"tests_per_item"}, NULL, false},
+                 {{"largest_difference"}, NULL, false},
+                 {{"differ"}, NULL, false},
+                 {{"refused"}, NULL, false}}},
+    {.caption = "Time",
+     .with = BB_SET(BB_INTERSECTOR),
+     .rows = BB_SET(BB_BUILDER) | BB_SET(BB_INTERSECTOR),
+     .columns = {{{"build_ms"}, NULL, false},
+                 {{"layout_ms"}, NULL, false},
+                 {{"answer_ms"}, NULL, false}},
+     .axes = &axes},
+    {.caption = "Trees",
+     .with = BB_SET(BB_BUILDER),
+     .without = BB_SET(BB_INTERSECTOR) | BB_SET(BB_MAKER),
+     .rows = BB_SET(BB_BUILDER),
+     .columns = {{{"tree_bytes"}, NULL, false},
+                 {{"nodes"}, NULL, false},
+                 {{"leaves"}, NULL, false},
+                 {{"references"}, NULL, false},
+                 {{"references_per_primitive"}, NULL, false}}},
+    {.caption = "Phases of builds",
+     .with = BB_SET(BB_MAKER),
+     .rows = BB_SET(BB_BUILDER) | BB_SET(BB_MAKER),
+     .columns = {{{"phase_ms"}, NULL, false}}},
+};
+
+/* ---- rows ---- */
+
+static uint32_t row_of(bb_table *table, const char *scene, const bb_contest_way *way,
+                       const char *maker, const char *search)
+{
+    const bb_cell cell = {{[BB_SCENE] = scene,
+                           [BB_BUILDER] = way->builder,
+                           [BB_MAKER] = maker,
+                           [BB_INTERSECTOR] = search}};
+    return bb_table_row(table, cell);
+}
+
+/* Ways of one builder have the same tree. */
+static void fill_tree(bb_table *table, const char *scene, const bb_contest_way *way,
+                      double primitives)
+{
+    const uint32_t row = row_of(table, scene, way, NULL, NULL);
+    bb_table_set_number(table, row, &tree_bytes, (double)way->tree_bytes);
+    bb_table_set_number(table, row, &nodes, way->nodes);
+    bb_table_set_number(table, row, &leaves, way->leaves);
+    bb_table_set_number(table, row, &references, way->references);
+    if (primitives > 0)
+        bb_table_set_number(table, row, &per_primitive, way->references / primitives);
+    for (uint32_t p = 0; p < way->phase_count; p++)
+        bb_table_set_rounds(table, row_of(table, scene, way, way->phases[p].name, NULL), &phase,
+                            &way->phases[p].ms);
+}
+
+static void fill_way(bb_table *table, uint32_t row, const bb_contest_way *way, double items)
+{
+    bb_table_set_rounds(table, row, &build, &way->build);
+    bb_table_set_rounds(table, row, &layout, &way->layout);
+    bb_table_set_rounds(table, row, &answer, &way->answer);
+    bb_table_set_rounds(table, row, &answer_cpu, &way->answer_cpu);
+    bb_table_set_number(table, row, &speed, items / bb_samples_median(&way->answer) / 1e3);
+    if (way->builder[0] != '\0')
+        bb_table_set_number(table, row, &visits, way->visits);
+    bb_table_set_number(table, row, &work, way->work);
+    bb_table_set_number(table, row, &differ, (double)way->differ);
+    if (way->nodes > 0)
+        bb_table_set_number(table, row, &bytes, (double)way->bytes);
+}
+
+void bb_contest_fill(bb_table *table, const char *scene, const bb_contest_way *ways, uint32_t count,
+                     double items, double primitives)
+{
+    for (uint32_t w = 0; w < count; w++) {
+        const bb_contest_way *way = &ways[w];
+        const bool without = way->builder[0] == '\0';
+        const uint32_t row = row_of(table, scene, way, NULL, without ? "no tree" : way->search);
+        if (way->refused[0] != '\0') {
+            bb_table_set_text(table, row, &status, "refused");
+            bb_table_set_text(table, row, &refused, way->refused);
+            continue;
+        }
+        fill_way(table, row, way, items);
+        if (way->nodes > 0)
+            fill_tree(table, scene, way, primitives);
+    }
+}

@@ -1,0 +1,79 @@
+/* Tables as pages, scene by scene. */
+#include "framework/show/outline.h"
+
+#include "framework/table/figure.h"
+
+#include <math.h>
+#include <string.h>
+
+void bb_outline_begin(const bb_table *table, bb_page *page)
+{
+    bb_view_say(table, (bb_cell){{NULL}}, page);
+}
+
+static void add_pictures(const bb_table *table, const char *scene, bb_page *page)
+{
+    for (uint32_t row = 0; row < bb_table_row_count(table); row++) {
+        const char *picture = bb_table_get_text(table, row, "picture");
+        const char *question = bb_table_name(table, row, BB_QUESTION);
+        if (picture[0] != '\0' && strcmp(bb_table_name(table, row, BB_SCENE), scene) == 0)
+            bb_page_picture(page, picture, question[0] != '\0' ? question : picture);
+    }
+}
+
+void bb_outline_scene(const bb_page_outline *outline, const bb_table *table, const char *scene,
+                      bb_page *page)
+{
+    const bb_cell cell = {{[BB_SCENE] = scene}};
+    bb_page_heading(page, scene);
+    bb_view_say(table, cell, page);
+    for (uint32_t i = 0; i < outline->view_count; i++)
+        bb_view_show(&outline->views[i], table, cell, page);
+    bb_page_say(page, "%s", outline->note);
+    add_pictures(table, scene, page);
+}
+
+double bb_outline_wrong(const bb_page_outline *outline, const bb_table *table)
+{
+    double wrong = 0;
+    for (uint32_t row = 0; row < bb_table_row_count(table); row++) {
+        const double own = bb_table_get_number(table, row, outline->wrong);
+        wrong += isnan(own) ? 0 : own;
+    }
+    return wrong;
+}
+
+static void add_verdict(const bb_page_outline *outline, const bb_table *table, bb_page *page)
+{
+    char count[BB_FIGURE_MAX];
+    const double wrong = bb_outline_wrong(outline, table);
+    if (wrong == 0)
+        bb_page_verdict(page, true, "%s", outline->well);
+    else
+        bb_page_verdict(page, false, "%s %s", bb_figure(count, wrong, 0), outline->ill);
+}
+
+static bool is_new(const bb_table *table, uint32_t row)
+{
+    const char *scene = bb_table_name(table, row, BB_SCENE);
+    for (uint32_t i = 0; i < row; i++)
+        if (strcmp(bb_table_name(table, i, BB_SCENE), scene) == 0)
+            return false;
+    return scene[0] != '\0';
+}
+
+bb_status bb_outline_page(const bb_page_outline *outline, const bb_table *table, bb_page **out)
+{
+    BB_TRY(bb_page_create(outline->title, out));
+    bb_outline_begin(table, *out);
+    add_verdict(outline, table, *out);
+    for (uint32_t row = 0; row < bb_table_row_count(table); row++)
+        if (is_new(table, row))
+            bb_outline_scene(outline, table, bb_table_name(table, row, BB_SCENE), *out);
+    bb_status status = bb_page_status(*out);
+    if (status == BB_OK)
+        return BB_OK;
+    bb_page_free(*out);
+    *out = NULL;
+    return status;
+}
