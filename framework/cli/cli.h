@@ -131,9 +131,8 @@ void bb_cli_free(bb_cli *cli);
 /* Stores a text as the value of a row. */
 bb_status bb_cli_store(const bb_cli_row *row, const char *text);
 
-/* Finds the row with this name, or that stores into `place`; NULL if there is none. */
+/* Finds the row with this name; NULL if there is none. */
 const bb_cli_row *bb_cli_find(const bb_cli *cli, const char *name);
-const bb_cli_row *bb_cli_row_of(const bb_cli *cli, const void *place);
 /* Returns whether the command line has the option that stores into `place`. */
 bool bb_cli_given(const bb_cli *cli, const void *place);
 

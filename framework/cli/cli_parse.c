@@ -16,18 +16,12 @@ const bb_cli_row *bb_cli_find(const bb_cli *cli, const char *name)
     return NULL;
 }
 
-const bb_cli_row *bb_cli_row_of(const bb_cli *cli, const void *place)
+bool bb_cli_given(const bb_cli *cli, const void *place)
 {
     for (uint32_t i = 0; i < cli->row_count; i++)
         if (cli->rows[i].place == place)
-            return &cli->rows[i];
-    return NULL;
-}
-
-bool bb_cli_given(const bb_cli *cli, const void *place)
-{
-    const bb_cli_row *row = bb_cli_row_of(cli, place);
-    return row != NULL && row->count > 0;
+            return cli->rows[i].count > 0;
+    return false;
 }
 
 static size_t bytes_of(bb_cli_kind kind)

@@ -256,51 +256,6 @@ static void print_isa(void)
     }
 }
 
-/* All lists, or the one that is wanted. */
-static bb_status fill_text(const char *wanted, output *list)
-{
-    for (uint32_t i = 0; i < KIND_COUNT; i++)
-        if (wanted == NULL || strcmp(wanted, kinds[i].name) == 0) {
-            fprintf(list->text, "%s\n", kinds[i].name);
-            BB_TRY(kinds[i].fill(list));
-            fprintf(list->text, "\n");
-        }
-    return BB_OK;
-}
-
-static bb_status fill_json(const char *wanted, output *list)
-{
-    bb_json_object(list->json, NULL);
-    for (uint32_t i = 0; i < KIND_COUNT; i++)
-        if (wanted == NULL || strcmp(wanted, kinds[i].name) == 0) {
-            bb_json_array(list->json, kinds[i].name);
-            BB_TRY(kinds[i].fill(list));
-            bb_json_end_array(list->json);
-        }
-    bb_json_end_object(list->json);
-    return BB_OK;
-}
-
-static bb_status print(const char *wanted, bool as_json)
-{
-    bb_json json = {.formatted = true};
-    char *text = NULL;
-    size_t size;
-    output list = {.text = open_memstream(&text, &size), .json = as_json ? &json : NULL};
-    if (list.text == NULL)
-        return bb_fail(BB_REFUSED, "no memory for the list");
-    bb_status status = as_json ? fill_json(wanted, &list) : fill_text(wanted, &list);
-    char *document = as_json ? bb_json_take(&json) : NULL;
-    const bool whole = ferror(list.text) == 0 && (!as_json || document != NULL);
-    if (fclose(list.text) != 0 || !whole)
-        status = status != BB_OK ? status : bb_fail(BB_REFUSED, "no memory for the list");
-    if (status == BB_OK)
-        printf(as_json ? "%s\n" : "%s", as_json ? document : text);
-    free(document);
-    free(text);
-    return status;
-}
-
 static bb_status unknown_kind(const char *kind)
 {
     bb_suggestion meant = {.word = kind};
@@ -312,6 +267,51 @@ static bb_status unknown_kind(const char *kind)
                    kind, bb_suggested(&meant));
 }
 
+/* All lists, or the one that is wanted. */
+static bb_status fill(const char *wanted, output *list)
+{
+    bool found = false;
+    for (uint32_t i = 0; i < KIND_COUNT; i++) {
+        if (wanted != NULL && strcmp(wanted, kinds[i].name) != 0)
+            continue;
+        found = true;
+        if (list->json != NULL)
+            bb_json_array(list->json, kinds[i].name);
+        else
+            fprintf(list->text, "%s\n", kinds[i].name);
+        BB_TRY(kinds[i].fill(list));
+        if (list->json != NULL)
+            bb_json_end_array(list->json);
+        else
+            fprintf(list->text, "\n");
+    }
+    return found ? BB_OK : unknown_kind(wanted);
+}
+
+static bb_status print(const char *wanted, bool as_json)
+{
+    bb_json json = {.formatted = true};
+    char *text = NULL;
+    size_t size;
+    output list = {.text = open_memstream(&text, &size), .json = as_json ? &json : NULL};
+    if (list.text == NULL)
+        return bb_fail(BB_REFUSED, "no memory for the list");
+    if (as_json)
+        bb_json_object(&json, NULL);
+    bb_status status = fill(wanted, &list);
+    if (as_json)
+        bb_json_end_object(&json);
+    char *document = as_json ? bb_json_take(&json) : NULL;
+    const bool whole = ferror(list.text) == 0 && (!as_json || document != NULL);
+    if (fclose(list.text) != 0 || !whole)
+        status = status != BB_OK ? status : bb_fail(BB_REFUSED, "no memory for the list");
+    if (status == BB_OK)
+        printf(as_json ? "%s\n" : "%s", as_json ? document : text);
+    free(document);
+    free(text);
+    return status;
+}
+
 static bb_status run(const bb_cli *cli, void *values, int *exit_status)
 {
     (void)exit_status;
@@ -320,16 +320,12 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
     const char *kind = cli->positional_count > 0 ? cli->positional[0] : NULL;
     if (cli->positional_count > 1)
         return bb_fail(BB_INVALID, "list takes one kind: drop '%s'", cli->positional[1]);
-    if (w->isa && (kind == NULL || strcmp(kind, "kernels") != 0))
+    if (!w->isa)
+        return print(kind, w->json);
+    if (kind == NULL || strcmp(kind, "kernels") != 0)
         return bb_fail(BB_INVALID, "--isa is of kernels: list kernels --isa");
-    if (w->isa) {
-        print_isa();
-        return BB_OK;
-    }
-    bool found = kind == NULL;
-    for (uint32_t i = 0; i < KIND_COUNT; i++)
-        found = found || strcmp(kind, kinds[i].name) == 0;
-    return found ? print(kind, w->json) : unknown_kind(kind);
+    print_isa();
+    return BB_OK;
 }
 
 extern const bb_command bb_command_list;

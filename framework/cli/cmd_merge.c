@@ -1,11 +1,10 @@
 /* bvhbench merge: shards of a run become that run. */
 #include "framework/base/file.h"
-#include "framework/cli/cli.h"
 #include "framework/cli/earlier.h"
 #include "framework/cli/inputs.h"
 #include "framework/cli/out_option.h"
+#include "framework/cli/output.h"
 #include "framework/cli/shard_option.h"
-#include "framework/history/history.h"
 #include "framework/report/report.h"
 #include "framework/summary/prediction.h"
 
@@ -36,18 +35,13 @@ static const bb_cli_option options[] = {
     {.name = NULL},
 };
 
-static const bb_entry *context_of(const bb_results *results)
-{
-    return bb_results_context(results);
-}
-
 static bb_status read_part(const char *argument, part *p)
 {
     char path[PATH_MAX], what[200];
     p->argument = argument;
     BB_TRY(bb_input_path(argument, path));
     BB_TRY(bb_results_read(path, &p->results));
-    const char *shard = bb_get_text(context_of(p->results), BB_F_CONTEXT_SHARD);
+    const char *shard = bb_get_text(bb_results_context(p->results), BB_F_CONTEXT_SHARD);
     snprintf(what, sizeof what, "result file %.120s: \"shard\"", path);
     return shard[0] != '\0' ? bb_shard_parse(shard, what, &p->shard) : BB_OK;
 }
@@ -127,28 +121,17 @@ static bb_status copy_pictures(const part *p, const char *folder)
 
 static bb_status write_folder(part *parts, uint32_t count, const char *folder)
 {
-    char json[PATH_MAX], html[PATH_MAX], kept[1200];
+    char json[PATH_MAX], html[PATH_MAX];
     BB_TRY(bb_join_path(json, folder, "results.json"));
     BB_TRY(bb_join_path(html, folder, "report.html"));
     for (uint32_t i = 0; i < count; i++)
         BB_TRY(copy_pictures(&parts[i], folder));
-    BB_TRY(bb_keep_earlier(folder, kept, sizeof kept));
-    if (kept[0] != '\0')
-        fprintf(stderr, "moved the results that were in %s to %s\n", folder, kept);
+    BB_TRY(bb_keep_earlier(folder, false));
     BB_TRY(bb_predictions_record(parts[0].results));
     BB_TRY(bb_results_write(parts[0].results, json));
     BB_TRY(bb_report_html(parts[0].results, folder, html));
     printf("\n report   %s\n results  %s\n", html, json);
     return BB_OK;
-}
-
-static bb_status append(const bb_results *results, const char *path)
-{
-    bb_history *history = NULL;
-    BB_TRY(bb_history_open(path, true, &history));
-    bb_status status = bb_history_append(history, results);
-    bb_history_close(history);
-    return status;
 }
 
 /* ---- the command ---- */
@@ -162,18 +145,15 @@ static bb_status merge(const bb_cli *cli, merging *m)
     BB_TRY(check_parts(parts, m->count));
     for (uint32_t i = 1; i < m->count; i++) {
         bb_status status = bb_results_join(parts[0].results, parts[i].results);
-        if (status != BB_OK) {
-            char reason[900];
-            snprintf(reason, sizeof reason, "%s", bb_message());
-            return bb_fail(status, "merge: %.200s: %s", parts[i].argument, reason);
-        }
+        if (status != BB_OK)
+            return bb_fail(status, "merge: %.200s: %s", parts[i].argument, bb_message());
     }
     if (m->count > 1 && m->count == parts[0].shard.count)
         bb_results_end_join(parts[0].results);
     BB_TRY(bb_report_verdict(parts[0].results, stdout));
     if (m->out != NULL)
         BB_TRY(write_folder(parts, m->count, m->out));
-    return m->history != NULL ? append(parts[0].results, m->history) : BB_OK;
+    return m->history != NULL ? bb_output_append(m->history, parts[0].results) : BB_OK;
 }
 
 static bb_status run(const bb_cli *cli, void *values, int *exit_status)

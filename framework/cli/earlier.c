@@ -41,11 +41,10 @@ static bb_status make_place(const char *folder, time_t written, char place[PATH_
                    strerror(errno));
 }
 
-bb_status bb_keep_earlier(const char *folder, char *kept, size_t capacity)
+bb_status bb_keep_earlier(const char *folder, bool quiet)
 {
     char path[PATH_MAX], place[PATH_MAX], target[PATH_MAX];
     struct stat info;
-    kept[0] = '\0';
     BB_TRY(bb_join_path(path, folder, "results.json"));
     if (stat(path, &info) != 0)
         return BB_OK;
@@ -56,6 +55,7 @@ bb_status bb_keep_earlier(const char *folder, char *kept, size_t capacity)
         if (rename(path, target) != 0 && errno != ENOENT)
             return bb_fail(BB_INVALID, "cannot move %s to %s: %s", path, target, strerror(errno));
     }
-    snprintf(kept, capacity, "%s", place);
+    if (!quiet)
+        fprintf(stderr, "moved the results that were in %s to %s\n", folder, place);
     return BB_OK;
 }

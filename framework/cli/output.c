@@ -45,28 +45,34 @@ static bb_status write_tables(const bb_results *results, const char *path)
     return status;
 }
 
+/* The first of several failures. */
+typedef struct failure {
+    bb_status status;
+    char reason[1024];
+} failure;
+
+static void keep_first(failure *first, bb_status status)
+{
+    if (status == BB_OK || first->status != BB_OK)
+        return;
+    first->status = status;
+    snprintf(first->reason, sizeof first->reason, "%s", bb_message());
+}
+
 /* Page and charts, all that can be; the first failure is returned. */
 static bb_status write_views(const bb_comparison *c, bb_results *results, const places *p,
                              uint32_t *charts)
 {
-    char reason[1024] = "";
-    bb_status first = BB_OK;
-    for (int i = 0; i < 2; i++) {
-        bb_status status = BB_OK;
-        if (i == 0)
-            status = bb_report_html(results, c->folder, p->html);
-        else if (c->charts == BB_CHARTS_YES && !bb_interrupted())
-            status = bb_report_charts(results, p->pictures, charts);
-        if (status != BB_OK && first == BB_OK) {
-            first = status;
-            snprintf(reason, sizeof reason, "%s", bb_message());
-        }
-    }
-    return first == BB_OK ? BB_OK
-                          : bb_fail(first,
-                                    "%.700s (the results are in %.200s: once that is mended, "
-                                    "bvhbench report %.80s)",
-                                    reason, p->json, c->folder);
+    failure first = {.status = BB_OK};
+    keep_first(&first, bb_report_html(results, c->folder, p->html));
+    if (c->charts == BB_CHARTS_YES && !bb_interrupted())
+        keep_first(&first, bb_report_charts(results, p->pictures, charts));
+    return first.status == BB_OK
+               ? BB_OK
+               : bb_fail(first.status,
+                         "%.700s (the results are in %.200s: once that is mended, bvhbench report "
+                         "%.80s)",
+                         first.reason, p->json, c->folder);
 }
 
 static bb_status set_totals(bb_results *results, bb_bench_outcome *outcome)
@@ -94,77 +100,69 @@ static bb_status print(const bb_comparison *c, bb_results *results, const places
     return BB_OK;
 }
 
-/* The first failure stays. */
-static void keep_first(bb_status status, bb_status *first, char *reason, size_t capacity)
+bb_status bb_output_append(const char *database, const bb_results *results)
 {
-    if (status == BB_OK || *first != BB_OK)
-        return;
-    *first = status;
-    snprintf(reason, capacity, "%s", bb_message());
+    bb_history *history = NULL;
+    bb_status status = bb_history_open(database, true, &history);
+    if (status == BB_OK)
+        status = bb_history_append(history, results);
+    bb_history_close(history);
+    return status;
 }
 
 /* After the results: what can't be appended now can be later. */
 static bb_status append_history(const bb_comparison *c, const bb_results *results, const char *json)
 {
-    bb_history *history = NULL;
-    char reason[700];
-    if (c->history == NULL)
-        return BB_OK;
-    bb_status status = bb_history_open(c->history, true, &history);
-    if (status == BB_OK)
-        status = bb_history_append(history, results);
-    bb_history_close(history);
-    if (status == BB_OK)
-        return BB_OK;
-    snprintf(reason, sizeof reason, "%s", bb_message());
-    return bb_fail(status,
-                   "%s (the results are in %.200s: bvhbench merge %.80s --history %.100s appends "
-                   "them later)",
-                   reason, json, c->folder, c->history);
+    bb_status status = c->history != NULL ? bb_output_append(c->history, results) : BB_OK;
+    return status == BB_OK ? BB_OK
+                           : bb_fail(status,
+                                     "%.700s (the results are in %.200s: bvhbench merge %.80s "
+                                     "--history %.100s appends them later)",
+                                     bb_message(), json, c->folder, c->history);
 }
 
 /* The file first: it is what must not be lost. It is written again with the time that the page and
- * the charts took. Whatever cannot be written, the answer is printed. */
+ * the charts took. */
+static bb_status write_files(const bb_comparison *c, bb_results *results,
+                             const bb_bench_times *times, const places *p, uint32_t *charts)
+{
+    failure first = {.status = BB_OK};
+    const double start = bb_wall_ms();
+    BB_TRY(bb_keep_earlier(c->folder, c->quiet));
+    bb_status status = bb_results_write(results, p->json);
+    if (status != BB_OK)
+        return bb_fail(status, "%s (only what was printed is kept: choose another --out)",
+                       bb_message());
+    keep_first(&first, append_history(c, results, p->json));
+    status = write_views(c, results, p, charts);
+    const double ms = bb_wall_ms() - start;
+    if (status == BB_OK)
+        status = bb_results_add_step(results, "report", ms);
+    if (status == BB_OK)
+        status =
+            bb_results_set_total(results, times->build_ms, times->trace_ms, times->total_ms + ms);
+    if (status == BB_OK)
+        status = write_tables(results, p->tables);
+    if (status == BB_OK)
+        status = bb_report_html(results, c->folder, p->html);
+    if (status == BB_OK)
+        status = bb_results_write(results, p->json);
+    keep_first(&first, status);
+    return first.status == BB_OK ? BB_OK : bb_fail(first.status, "%s", first.reason);
+}
+
+/* Whatever cannot be written, the answer is printed. */
 static bb_status write_all(const bb_comparison *c, bb_results *results, bb_bench_outcome *outcome)
 {
     places p;
-    char kept[1200], reason[1024], first_reason[1024];
-    bb_status first = BB_OK;
+    failure first = {.status = BB_OK};
     uint32_t charts = 0;
-    const bb_bench_times *times = &outcome->times;
-    double start = bb_wall_ms();
     BB_TRY(set_places(c->folder, &p));
     BB_TRY(set_totals(results, outcome));
     BB_TRY(bb_predictions_record(results));
-    bb_status status = bb_keep_earlier(c->folder, kept, sizeof kept);
-    if (kept[0] != '\0' && !c->quiet)
-        fprintf(stderr, "moved the results that were in %s to %s\n", c->folder, kept);
-    if (status == BB_OK) {
-        status = bb_results_write(results, p.json);
-        snprintf(reason, sizeof reason, "%s", bb_message());
-        if (status != BB_OK)
-            bb_fail(status, "%s (only what was printed is kept: choose another --out)", reason);
-    }
-    if (status == BB_OK) {
-        bb_status appended = append_history(c, results, p.json);
-        keep_first(appended, &first, first_reason, sizeof first_reason);
-        status = write_views(c, results, &p, &charts);
-        double ms = bb_wall_ms() - start;
-        if (status == BB_OK)
-            status = bb_results_add_step(results, "report", ms);
-        if (status == BB_OK)
-            status = bb_results_set_total(results, times->build_ms, times->trace_ms,
-                                          times->total_ms + ms);
-        if (status == BB_OK)
-            status = write_tables(results, p.tables);
-        if (status == BB_OK)
-            status = bb_report_html(results, c->folder, p.html);
-        if (status == BB_OK)
-            status = bb_results_write(results, p.json);
-    }
-    keep_first(status, &first, first_reason, sizeof first_reason);
+    keep_first(&first, write_files(c, results, &outcome->times, &p, &charts));
     bb_status printed = print(c, results, &p, charts);
-    return first != BB_OK ? bb_fail(first, "%s", first_reason) : printed;
+    return first.status != BB_OK ? bb_fail(first.status, "%s", first.reason) : printed;
 }
 
 /* A line each; true if anything is wrong. */
@@ -196,18 +194,17 @@ static bool blame(const bb_bench_outcome *outcome)
 
 /* Returns `status` with its message, which then says where what was measured lies, if anything
  * was. */
-static bb_status keep(bb_results *results, const char *folder, bb_status status)
+static bb_status keep(bb_results *results, const bb_comparison *c, bb_status status)
 {
-    char reason[1024], json[1100];
-    snprintf(reason, sizeof reason, "%s", bb_message());
-    snprintf(json, sizeof json, "%s/results.json", folder);
-    char kept[1200];
+    char json[1100];
+    failure first = {.status = BB_OK};
+    keep_first(&first, status);
+    snprintf(json, sizeof json, "%s/results.json", c->folder);
     if (bb_first(bb_results_section(results, BB_BUILDS)) == NULL ||
-        bb_results_set_interrupted(results) != BB_OK ||
-        bb_keep_earlier(folder, kept, sizeof kept) != BB_OK ||
+        bb_results_set_interrupted(results) != BB_OK || bb_keep_earlier(c->folder, true) != BB_OK ||
         bb_results_write(results, json) != BB_OK)
-        return bb_fail(status, "%s", reason);
-    return bb_fail(status, "%s (earlier measurements are in %s)", reason, json);
+        return bb_fail(status, "%s", first.reason);
+    return bb_fail(status, "%s (earlier measurements are in %s)", first.reason, json);
 }
 
 static bb_status compare(const bb_comparison *c, bb_device *device, int *exit_status)
@@ -235,7 +232,7 @@ static bb_status compare(const bb_comparison *c, bb_device *device, int *exit_st
             return BB_OK;
         }
     }
-    status = status == BB_OK ? write_all(c, results, &outcome) : keep(results, c->folder, status);
+    status = status == BB_OK ? write_all(c, results, &outcome) : keep(results, c, status);
     if (status == BB_OK)
         bb_charts_note(c->charts);
     if (status == BB_OK && blame(&outcome) && *exit_status == BB_EXIT_OK)

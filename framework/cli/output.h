@@ -32,4 +32,7 @@ typedef struct bb_comparison {
  * is done. */
 bb_status bb_output_compare(const bb_comparison *comparison, int *exit_status);
 
+/* Appends the run to the database, which is made if there is none. */
+bb_status bb_output_append(const char *database, const bb_results *results);
+
 #endif
