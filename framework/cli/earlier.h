@@ -7,7 +7,7 @@
 #include <stdbool.h>
 
 /* Moves what an earlier run left in `folder` (its results, page, tables and charts; its pictures
- * stay) into FOLDER/earlier/DATE, a new folder named by when it was written, and says so on standard
+ * stay) into FOLDER/earlier/DATE, a new folder named by when it was written. Says so on standard
  * error unless `quiet`. */
 bb_status bb_keep_earlier(const char *folder, bool quiet);
 
