@@ -4,7 +4,8 @@
 #include "scenes/motion.h"
 
 static const bb_option options_table[] = {
-    {"clip", NULL, NULL, "the animation that moves it, by name or number; default: it stays still"},
+    {"clip", NULL, NULL,
+     "the animation that moves it, by name or number; default: it does not move"},
     {"frames", NULL, NULL, "number of frames of the clip, from its start to its end; default: 21"},
     {0},
 };

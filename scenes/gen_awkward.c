@@ -116,7 +116,7 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
 extern const bb_generator bb_generator_awkward;
 const bb_generator bb_generator_awkward = {
     .name = "awkward",
-    .summary = "what builders stumble over: an outlier, equal centroids, flat, duplicates, -0",
+    .summary = "difficulties for builders: an outlier, equal centroids, flat, duplicates, -0",
     .options = options_table,
     .make = make,
 };

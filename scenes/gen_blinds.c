@@ -7,7 +7,7 @@
 static const bb_option options_table[] = {
     {"layers", "4", NULL, "number of layers"},
     {"n", "40", NULL, "slats of a layer"},
-    {"width", "0.1", NULL, "height that a slat takes up in its layer"},
+    {"width", "0.1", NULL, "height of a slat in its layer"},
     {"tilt", "1", NULL, "depth of a slat in widths: 1 is half a right angle, 0 makes flat walls"},
     {"length", "1000", NULL, "of a slat, at most 1e6 times the distance"},
     {"distance", "1", NULL, "of the first layer from the origin, where the eye is"},

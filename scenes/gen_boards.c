@@ -68,7 +68,7 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
 extern const bb_generator bb_generator_boards;
 const bb_generator bb_generator_boards = {
     .name = "boards",
-    .summary = "wall of long boards without gaps, seen along: what loses rays between boxes",
+    .summary = "wall of long boards without gaps, seen along: loses rays between boxes",
     .options = options_table,
     .make = make,
 };

@@ -104,7 +104,7 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
 extern const bb_generator bb_generator_car;
 const bb_generator bb_generator_car = {
     .name = "car",
-    .summary = "a room in which a few small things drive around, in frames",
+    .summary = "a room in which a few small objects drive around, in frames",
     .options = options_table,
     .make = make,
     .set_frame = set_frame,

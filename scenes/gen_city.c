@@ -296,7 +296,7 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
 extern const bb_generator bb_generator_city;
 const bb_generator bb_generator_city = {
     .name = "city",
-    .summary = "large flat city: streets, houses and towers, small things beside large ones",
+    .summary = "large flat city: streets, houses and towers, small objects beside large ones",
     .options = options_table,
     .make = make,
 };

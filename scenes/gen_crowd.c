@@ -11,7 +11,7 @@
 
 static const bb_option options_table[] = {
     {"kind", "rigid", "rigid|explode|fall|flow|shuffle|cross|origin|grow|still", "how they move"},
-    {"n", "100000", NULL, "number of triangles, rounded down to whole things"},
+    {"n", "100000", NULL, "number of triangles, rounded down to whole objects"},
     {"share", NULL, NULL,
      "shuffle: pairs that exchange places in each frame; grow: things that come and go; as a share "
      "of all, 0 to 1; default: 0.01, and one at least"},
@@ -248,7 +248,7 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
 extern const bb_generator bb_generator_crowd;
 const bb_generator bb_generator_crowd = {
     .name = "crowd",
-    .summary = "many small things that move, in frames: nine kinds",
+    .summary = "many small moving objects, in frames: nine kinds",
     .options = options_table,
     .make = make,
     .set_frame = set_frame,

@@ -58,7 +58,7 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
 extern const bb_generator bb_generator_nests;
 const bb_generator bb_generator_nests = {
     .name = "nests",
-    .summary = "boxes within boxes around common centres, which no plane parts",
+    .summary = "boxes within boxes around common centres, which no plane separates",
     .options = options_table,
     .make = make,
 };

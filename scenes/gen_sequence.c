@@ -13,7 +13,7 @@
 
 static const bb_option options_table[] = {
     {"first", NULL, NULL, "the first file; the last number in its name is counted up"},
-    {"files", NULL, NULL, "how many there are; default: as many as follow without a gap"},
+    {"files", NULL, NULL, "number of files; default: as many as follow without a gap"},
     {"between", "0", NULL, "frames between two files, interpolated linearly"},
     {0},
 };

@@ -18,10 +18,10 @@ static const bb_option options_table[] = {
     {"layer", "1", NULL,
      "likewise, but of the triangles' middles alone: they keep their shapes, 0 to 1"},
     {"cells", "0", NULL, "centres lie on a grid of so many places per axis; 0: anywhere"},
-    {"copies", "1", NULL, "each triangle is there so many times"},
+    {"copies", "1", NULL, "how often each triangle occurs"},
     {"centred", "0", NULL, "share of triangles whose boxes have one and the same centroid, 0 to 1"},
     {"sorted", "0", NULL, "share of triangles that come in the order of their x, 0 to 1"},
-    {"move", "0", NULL, "the whole is moved by this along each axis, in its own sizes"},
+    {"move", "0", NULL, "the whole scene is moved by this along each axis, in its own sizes"},
     {"scale", "1", NULL, "everything is multiplied by this, 1e-44 to 1e30"},
     {"nan", "0", NULL, "triangles with a corner that is no number: the scene is refused"},
     {"seed", "1", NULL, "seed"},
@@ -169,7 +169,7 @@ static bb_status make(const bb_spec *spec, const bb_option *options, bb_scene *s
 extern const bb_generator bb_generator_soup;
 const bb_generator bb_generator_soup = {
     .name = "soup",
-    .summary = "random triangles with a parameter for each trouble of builders and tests",
+    .summary = "random triangles with a parameter for each difficulty of builders and tests",
     .options = options_table,
     .make = make,
 };

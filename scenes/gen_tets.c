@@ -12,13 +12,13 @@ enum { SIDE_MAX = 400, KUHN = 6 };
 
 static const bb_option options_table[] = {
     {"side", "12", NULL, "cubes along an edge, 1 to 400"},
-    {"shape", "ball", "block|ball|shell", "which of the cubes there are"},
+    {"shape", "ball", "block|ball|shell", "which cubes exist"},
     {"jitter", "0.2", NULL, "corners are moved by up to half of this, in sides of a cube; 0 to 1"},
     {"grade", "1", NULL, "width of each cube along x over that before it, 0.1 to 10"},
     {"thin", "0", NULL, "heights along z are divided by 2^N, 0 to 140"},
-    {"flip", "0", NULL, "every N-th is listed the other way round; 0: none"},
-    {"flat", "0", NULL, "after every N-th comes one without a volume; 0: none"},
-    {"twins", "0", NULL, "after every N-th comes a copy of it; 0: none"},
+    {"flip", "0", NULL, "every N-th has reversed orientation; 0: none"},
+    {"flat", "0", NULL, "every N-th is followed by one without a volume; 0: none"},
+    {"twins", "0", NULL, "every N-th is followed by a copy of it; 0: none"},
     {"seed", "1", NULL, "seed"},
     {0},
 };

@@ -12,7 +12,7 @@
 
 static const bb_option options_table[] = {
     {"n", "100000", NULL, "number of triangles, rounded to whole strips"},
-    {"frames", "16", NULL, "number of frames; 1: it stands still"},
+    {"frames", "16", NULL, "number of frames; 1: it does not move"},
     {"strips", "24", NULL, "strips that slide against each other"},
     {"seed", "1", NULL, "seed of their speeds"},
     {0},

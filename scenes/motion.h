@@ -19,10 +19,10 @@ typedef struct bb_motion {
 
 /* Options that a generator adds to its table. */
 #define BB_MOTION_OPTIONS                                                                          \
-    {"frames", NULL, NULL, "number of frames; 1: it stands still; default: 21"},                   \
+    {"frames", NULL, NULL, "number of frames; 1: it does not move; default: 21"},                  \
         {"seed", "1", NULL, "seed of what is random"},                                             \
     {                                                                                              \
-        "away", "0", NULL, "the whole goes this far away, until the last frame: 1e6"               \
+        "away", "0", NULL, "the whole scene moves this far away until the last frame: 1e6"         \
     }
 
 enum { BB_MOTION_FRAMES = 21 };

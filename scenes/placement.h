@@ -16,7 +16,7 @@ typedef struct bb_placement {
 #define BB_PLACEMENT_OPTIONS                                                                       \
     {"scale", "1", NULL, "everything is multiplied by this, 1e-15 to 1e15"},                       \
     {                                                                                              \
-        "turn", "0", NULL, "0: as it is; N: the N-th random rotation about the origin"             \
+        "turn", "0", NULL, "0: unchanged; N: the N-th random rotation about the origin"            \
     }
 
 /* Reads scale and turn from the options. BB_INVALID for numbers that are out of range. */

@@ -2,7 +2,7 @@
 #include "traversal/traversal.h"
 
 static const bb_option options[] = {
-    {"rays", "32", "1|4|8|16|32|64", "rays in flight per work-item, which take steps by turns"},
+    {"rays", "32", "1|4|8|16|32|64", "rays in flight per work-item, which advance in turns"},
     {.name = NULL},
 };
 
@@ -16,7 +16,7 @@ static const bb_variants variants[] = {
 
 const bb_kernel bb_kernel_stack8i = {
     .name = "stack8i",
-    .summary = "as stack8, with many rays in flight by turns, without branches: for CPUs",
+    .summary = "like stack8, with many rays in flight in turns, without branches: for CPUs",
     .paper = "Kocberber, Falsafi and Grot 2015",
     .layout = "wide8",
     .source = "stack_interleaved.cl",

@@ -10,7 +10,7 @@ static const bb_variants variants[] = {
 
 const bb_kernel bb_kernel_stack8q = {
     .name = "stack8q",
-    .summary = "8-bit 8-wide: as stack8, on nodes of half the bytes",
+    .summary = "8-bit 8-wide: like stack8, on nodes of half the bytes",
     .paper = "Wald, Benthin and Boulos 2008",
     .layout = "quant8",
     .defines = "-DBB_WIDTH=8 -DBB_QUANTISED=1",

@@ -13,7 +13,7 @@
 #define BB_ENTRIES_OPTION(preset)                                                                  \
     {                                                                                              \
         "entries", preset, "1|2|4|8|16",                                                           \
-            "entries of the stack; what it drops is found again by the trail"                      \
+            "entries of the stack; dropped entries are found again by the trail"                   \
     }
 
 #endif

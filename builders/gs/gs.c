@@ -38,9 +38,10 @@ static const bb_option options[] = {
     {"max_children", "16", NULL, "arity=k: most children of a node, 3 or more; 0: any number"},
     {"search", "greedy", "greedy|bb",
      "how an object's place is found: along one path, or in the whole tree by branch and bound"},
-    {"update", "dynamic", "dynamic|rebuild", "insert again what moved, or build again"},
+    {"update", "dynamic", "dynamic|rebuild", "insert moved objects again, or build again"},
     {"start", "enclosing", "enclosing|root",
-     "where what moved is inserted from: the first ancestor whose box contains it, or the root"},
+     "where the insertion of moved objects starts: the first ancestor whose box contains it, or "
+     "the root"},
     {"tau", "1.3", NULL,
      "delete nodes whose area per object is more than this many times the initial; 0: none"},
     {"q", "init", "init|min",
@@ -189,8 +190,7 @@ static const bb_variants variants[] = {
 const bb_builder bb_builder_gs = {
     .abi_version = BB_ABI_VERSION,
     .name = "gs",
-    .summary =
-        "inserts object after object where that costs least, on the host; and again what moved",
+    .summary = "inserts each object where it costs least, on the host; moved objects again",
     .paper = "Goldsmith and Salmon 1987; Eisemann et al. 2007, section 3.1",
     .kinds = BB_ALL_KINDS,
     .inputs = BB_INPUT_BOXES,

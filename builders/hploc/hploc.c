@@ -34,7 +34,7 @@ enum {
 static const bb_option options[] = {
     BB_CODE_OPTIONS("mc64"),
     {"radius", "8", NULL, "clusters on either side that a cluster is compared with, 1 to 127"},
-    {"window", "32", NULL, "most clusters at a node, 4 to 256 and even; it hands half of them up"},
+    {"window", "32", NULL, "most clusters at a node, 4 to 256 and even; it passes half of them up"},
     {.name = NULL},
 };
 
@@ -250,7 +250,7 @@ static bb_status describe(void *opaque, const bb_scene *scene, char *text, size_
 const bb_builder bb_builder_hploc = {
     .abi_version = BB_ABI_VERSION,
     .name = "hploc",
-    .summary = "PLOC among the few clusters that the children of a radix tree's node hand up",
+    .summary = "PLOC among the few clusters that the children of a radix tree's node pass up",
     .paper = "Benthin et al. 2024",
     .kinds = BB_ALL_KINDS,
     .inputs = BB_INPUT_BOXES | BB_INPUT_PROFILE,

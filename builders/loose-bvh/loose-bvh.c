@@ -56,7 +56,7 @@ static const bb_option options[] = {
     {"levels", "auto", "auto|1|2|3|4|5|6|7|8|9|10",
      "N: the deepest cells are 2^N per axis; auto: by the number of primitives"},
     {"deeper", "1", NULL,
-     "levels by which primitives lie below the cells of their size, 0 to 10; 0: as in the paper"},
+     "levels by which primitives are below the cells of their size, 0 to 10; 0: as in the paper"},
     {"root", "cube", "cube|box", "root cell: a cube as long as the scene, or the scene's box"},
     {.name = NULL},
 };

@@ -57,7 +57,7 @@ static bb_status build(void *self, const bb_scene *scene, const bb_tree *input, 
 const bb_builder bb_builder_null = {
     .abi_version = BB_ABI_VERSION,
     .name = "null",
-    .summary = "one leaf over everything: brute force, and the harness's own overhead",
+    .summary = "one leaf with all primitives: brute force, and the harness's own overhead",
     .paper = "none",
     .kinds = BB_ALL_KINDS,
     .inputs = BB_INPUT_BOXES,

@@ -40,7 +40,7 @@ enum {
 };
 
 static const bb_option options[] = {
-    {"alpha", "0", NULL, "how much coarser cells are than primitives, in levels, 0 to 10"},
+    {"alpha", "0", NULL, "levels by which cells are coarser than primitives, 0 to 10"},
     {"bits", "auto", NULL, "2^bits cells along an axis, 0 to 10; auto: by the primitives' sizes"},
     {.name = NULL},
 };
@@ -392,7 +392,7 @@ static const bb_variants variants[] = {
 const bb_builder bb_builder_olbvh = {
     .abi_version = BB_ABI_VERSION,
     .name = "olbvh",
-    .summary = "octree of cells that list what meets them, with flags of the boundary",
+    .summary = "octree of cells that list all primitives meeting them, with boundary flags",
     .paper = "Stroeter, Mueller-Roemer, Stork, Fellner 2020, section 3",
     .kinds = BB_TRIANGLES | BB_AABBS | BB_TETRAHEDRONS,
     .inputs = BB_INPUT_BOXES | BB_INPUT_TETS,

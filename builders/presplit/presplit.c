@@ -26,8 +26,8 @@ static const bb_option options[] = {
     {"above", "0.5", NULL,
      "esc: smallest box to split: its area, relative to the mean of all boxes, 0 to 1e9"},
     {"saves", "0.3", NULL,
-     "least share of a box's area that a split must save, -1 to 0.9; -1: any split will do; "
-     "priority: asked of a triangle's first split alone"},
+     "least share of a box's area that a split must save, -1 to 0.9; -1: any split is made; "
+     "priority: applies only to a triangle's first split"},
     {.name = NULL},
 };
 

@@ -26,7 +26,7 @@
 static const bb_option options[] = {
     {"rotate", "no", "no|yes", "rotate each node at most once in an update, where that helps"},
     {"pause", "0", NULL,
-     "updates without rotations after each one with them, 0 to 1000: layouts follow those in "
+     "updates without rotations after each one with rotations, 0 to 1000: layouts follow them in "
      "place"},
     {"trigger", "none", NULL,
      "when to build again: none, sah:F (SAH F times that of the build), ratio:F, every:N"},

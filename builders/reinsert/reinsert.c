@@ -37,16 +37,16 @@
 enum { PARTS_MAX = 64 };
 
 static const bb_option options[] = {
-    {"passes", "3", NULL, "most passes, 1 to 1000; it ends when one gains too little"},
+    {"passes", "3", NULL, "most passes, 1 to 1000; ends when a pass gains too little"},
     {"share", "1", NULL,
      "share of the subtrees, the largest first, for which a pass looks for a better position, "
      "0.0001 to 1"},
     {"parts", "8", NULL,
-     "parts that a pass is divided into, 1 to 64: each sees what those before it have moved"},
+     "parts that a pass is divided into, 1 to 64: each sees the moves of earlier parts"},
     {"stop", "1e-4", NULL,
      "ends after a pass that lowers the cost of the inner nodes by less than this share, 0 to 1"},
     {"visits", "1000", NULL,
-     "most nodes that one search looks at, 8 to 1e9: bounds the time in bad trees"},
+     "most nodes that one search visits, 8 to 1e9: bounds the time in bad trees"},
     {.name = NULL},
 };
 

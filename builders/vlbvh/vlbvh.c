@@ -30,8 +30,8 @@ enum { GROUP_SIZE = 64, CHUNK = 64, PRUNE_MAX = 5 };
 
 static const bb_option options[] = {
     {"vote", "voxels", "voxels|ranges",
-     "what is read of each brick: its voxels, or the range of their values, kept since loading"},
-    {"prune", "0", "0|1|2|3|4|5", "leaves hold what is seen in cubes of 2^prune bricks a side"},
+     "data read per brick: its voxels, or the range of their values, computed at loading"},
+    {"prune", "0", "0|1|2|3|4|5", "leaves are the visible parts of cubes of 2^prune bricks a side"},
     {"link", "karras", "apetrei|karras", "how nodes are linked; the tree is the same"},
     {.name = NULL},
 };
@@ -270,7 +270,7 @@ static const bb_variants variants[] = {
 const bb_builder bb_builder_vlbvh = {
     .abi_version = BB_ABI_VERSION,
     .name = "vlbvh",
-    .summary = "LBVH of a volume: votes which bricks are seen, then Morton codes and radix tree",
+    .summary = "LBVH of a volume: finds the visible bricks, then Morton codes and radix tree",
     .paper = "Zellmann, Hellmann, Lang 2019, section 3.2",
     .kinds = BB_AABBS,
     .inputs = BB_INPUT_VOLUME,
