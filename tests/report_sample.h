@@ -306,6 +306,7 @@ static inline bb_results *sample_results(const char *folder)
     snprintf(device.driver, sizeof device.driver, "3.1");
     snprintf(device.version, sizeof device.version, "OpenCL 3.0 PoCL HSTR: sample");
     snprintf(device.sources, sizeof device.sources, "embedded");
+    device.litmus_pairs = 1000;
     device.compute_units = 2;
     device.float_config = CL_FP_INF_NAN | CL_FP_ROUND_TO_NEAREST | CL_FP_FMA;
     bb_results *results = NULL;

@@ -14,7 +14,7 @@
 
 static const char *const context_fields[] = {
     "date",         "revision", "host",        "cpu",
-    "load",         "device",   "driver",      "opencl",
+    "load_1",       "device",   "driver",      "opencl",
     "seed",         "kernels",  "build_flags", "command",
     "float_config", "embree",   "handover",    "litmus_messages",
     "litmus_stale", NULL};
@@ -105,21 +105,18 @@ static void context_describes_the_machine(void **state)
     assert_int_equal(end, 20);
     assert_string_equal(member(context, "device")->valuestring, "pthread-sample CPU");
     assert_string_equal(member(context, "kernels")->valuestring, "embedded");
-    assert_int_equal(cJSON_GetArraySize(member(context, "load")), 3);
+    assert_true(member(context, "load_1")->valuedouble >= 0);
+    assert_true(member(context, "load_15")->valuedouble >= 0);
     /* beyond 2^53: digits, not a rounded number */
     assert_string_equal(member(context, "seed")->valuestring, "1234567890123456789");
     assert_true(strlen(member(context, "build_flags")->valuestring) > 3);
-    const char *const words[] = {"inf_nan", "round_to_nearest", "fma"};
-    const cJSON *floats = member(context, "float_config");
-    assert_int_equal(cJSON_GetArraySize(floats), 3);
-    for (int i = 0; i < 3; i++)
-        assert_string_equal(cJSON_GetArrayItem(floats, i)->valuestring, words[i]);
+    assert_string_equal(member(context, "float_config")->valuestring,
+                        "inf_nan round_to_nearest fma");
     int major = 0, minor, patch;
-    const cJSON *embree = member(context, "embree");
     assert_int_equal(
-        sscanf(member(embree, "version")->valuestring, "%d.%d.%d", &major, &minor, &patch), 3);
+        sscanf(member(context, "embree")->valuestring, "%d.%d.%d", &major, &minor, &patch), 3);
     assert_in_range(major, 3, 4);
-    assert_string_equal(member(embree, "api")->valuestring, "rtcIntersect1/rtcOccluded1");
+    assert_string_equal(member(context, "embree_api")->valuestring, "rtcIntersect1/rtcOccluded1");
     bb_results_destroy(results);
 }
 

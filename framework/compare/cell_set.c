@@ -2,7 +2,6 @@
 
 #include "framework/compare/figures.h"
 
-#include <cjson/cJSON.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -144,7 +143,6 @@ static bb_status add_entry(bb_cell_set *set, const bb_results *results, const bb
 static void read_origin(const bb_results *results, const char *what, bb_origin *origin)
 {
     const bb_entry *context = bb_results_context(results);
-    const bb_entry *seed = bb_get(context, BB_F_CONTEXT_SEED);
     copy(origin->what, sizeof origin->what, what);
     copy(origin->date, sizeof origin->date, bb_get_text(context, BB_F_CONTEXT_DATE));
     copy(origin->revision, sizeof origin->revision, bb_get_text(context, BB_F_CONTEXT_REVISION));
@@ -154,14 +152,10 @@ static void read_origin(const bb_results *results, const char *what, bb_origin *
     copy(origin->device_type, sizeof origin->device_type,
          bb_get_text(context, BB_F_CONTEXT_DEVICE_TYPE));
     copy(origin->driver, sizeof origin->driver, bb_get_text(context, BB_F_CONTEXT_DRIVER));
-    copy(origin->embree, sizeof origin->embree,
-         bb_get_named_text(context, BB_F_CONTEXT_EMBREE, "version"));
+    copy(origin->embree, sizeof origin->embree, bb_get_text(context, BB_F_CONTEXT_EMBREE));
     copy(origin->shard, sizeof origin->shard, bb_get_text(context, BB_F_CONTEXT_SHARD));
     origin->interrupted = bb_get_true(context, BB_F_CONTEXT_INTERRUPTED);
-    if (cJSON_IsNumber(seed))
-        snprintf(origin->seed, sizeof origin->seed, "%.0f", seed->valuedouble);
-    else
-        copy(origin->seed, sizeof origin->seed, bb_get_text(context, BB_F_CONTEXT_SEED));
+    copy(origin->seed, sizeof origin->seed, bb_get_text(context, BB_F_CONTEXT_SEED));
 }
 
 bb_status bb_cell_set_of_results(const bb_results *results, const char *what, bb_cell_set *set)

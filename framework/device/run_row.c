@@ -4,6 +4,7 @@
 
 #include <inttypes.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
@@ -11,25 +12,34 @@
 /* Generated at build time. */
 extern const char bb_build_revision[], bb_build_version[], bb_build_flags[];
 
-#define TEXT(id, name, heading, help)                                                              \
-    const bb_column id = {name,           heading,           "", help, BB_COLUMN_TEXT,             \
-                          BB_SENSE_EXACT, BB_BETTER_NEITHER, 0}
+#define COLUMN(id, kind, name, heading, help)                                                      \
+    const bb_column id = {name,           heading,           "", help, BB_COLUMN_##kind,           \
+                          BB_SENSE_EXACT, BB_BETTER_NEITHER, -1}
 
-TEXT(bb_run_date, "date", "date", "When the run began, UTC.");
-TEXT(bb_run_revision, "revision", "revision", "The program's revision.");
-TEXT(bb_run_version, "version", "version", "The program's version.");
-TEXT(bb_run_host, "host", "host", "The machine's name.");
-TEXT(bb_run_cpu, "cpu", "processor", "The machine's processor.");
-TEXT(bb_run_device, "device", "device", "The OpenCL device.");
-TEXT(bb_run_device_type, "device_type", "device type", "CPU, or GPU for all other devices.");
-TEXT(bb_run_driver, "driver", "driver", "The OpenCL driver's version.");
-TEXT(bb_run_opencl, "opencl", "OpenCL", "The OpenCL version of the device.");
-TEXT(bb_run_handover, "handover", "handover", "How work-groups hand over data.");
-TEXT(bb_run_kernels, "kernels", "kernels", "Where the device code comes from.");
-TEXT(bb_run_flags, "build_flags", "build flags", "How the program was compiled.");
-TEXT(bb_run_seed, "seed", "seed", "The random seed.");
-TEXT(bb_run_command, "command", "command", "The command line.");
-TEXT(bb_run_interrupted, "interrupted", "interrupted", "yes: not all was measured.");
+static COLUMN(date, TEXT, "date", "Date", "When the run began, UTC.");
+static COLUMN(revision, TEXT, "revision", "Revision", "The program's revision.");
+static COLUMN(version, TEXT, "version", "Version", "The program's version.");
+COLUMN(bb_run_host, TEXT, "host", "Host", "The machine's name.");
+static COLUMN(cpu, TEXT, "cpu", "Processor", "The machine's processor.");
+static COLUMN(threads, NUMBER, "cpu_threads", "Threads", "Of the processor.");
+static COLUMN(load_1, NUMBER, "load_1", "Load, 1 min", "Before the run.");
+static COLUMN(load_5, NUMBER, "load_5", "Load, 5 min", "Before the run.");
+static COLUMN(load_15, NUMBER, "load_15", "Load, 15 min", "Before the run.");
+COLUMN(bb_run_device, TEXT, "device", "Device", "The OpenCL device.");
+static COLUMN(type, TEXT, "device_type", "Device type", "CPU, or GPU for all other devices.");
+COLUMN(bb_run_driver, TEXT, "driver", "Driver", "The OpenCL driver's version.");
+static COLUMN(opencl, TEXT, "opencl", "OpenCL", "The OpenCL version of the device.");
+static COLUMN(units, NUMBER, "compute_units", "Compute units", "Of the device.");
+static COLUMN(floats, TEXT, "float_config", "Floats of the device", "In OpenCL's words.");
+static COLUMN(handover, TEXT, "handover", "Handover", "How work-groups hand over data.");
+static COLUMN(messages, NUMBER, "litmus_messages", "Litmus messages",
+              "That the fence was tested by.");
+static COLUMN(stale, NUMBER, "litmus_stale", "Stale", "Of the messages.");
+static COLUMN(kernels, TEXT, "kernels", "Kernels", "Where the device code comes from.");
+static COLUMN(flags, TEXT, "build_flags", "Build flags", "How the program was compiled.");
+static COLUMN(seed_column, TEXT, "seed", "Seed", "The random seed.");
+static COLUMN(command_column, TEXT, "command", "Command", "The command line.");
+COLUMN(bb_run_interrupted, TEXT, "interrupted", "Interrupted", "yes: not all was measured.");
 
 static void read_cpu(char *name, size_t capacity)
 {
@@ -48,37 +58,82 @@ static void read_cpu(char *name, size_t capacity)
         fclose(file);
 }
 
+/* What the device's floats can do: OpenCL's names without their prefix, between blanks. */
+static void put_floats(bb_table *table, uint32_t row, cl_device_fp_config config)
+{
+    static const struct {
+        cl_device_fp_config flag;
+        const char *word;
+    } words[] = {
+        {CL_FP_DENORM, "denorm"},
+        {CL_FP_INF_NAN, "inf_nan"},
+        {CL_FP_ROUND_TO_NEAREST, "round_to_nearest"},
+        {CL_FP_ROUND_TO_ZERO, "round_to_zero"},
+        {CL_FP_ROUND_TO_INF, "round_to_inf"},
+        {CL_FP_FMA, "fma"},
+        {CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT, "correctly_rounded_divide_sqrt"},
+        {CL_FP_SOFT_FLOAT, "soft_float"},
+    };
+    char text[256] = "";
+    for (size_t i = 0, used = 0; i < sizeof words / sizeof words[0]; i++)
+        if (config & words[i].flag)
+            used += (size_t)snprintf(text + used, sizeof text - used, "%s%s", used > 0 ? " " : "",
+                                     words[i].word);
+    bb_table_set_text(table, row, &floats, text);
+}
+
 static void put_device(bb_table *table, uint32_t row, const bb_device *device)
 {
+    const char *kind = device->is_cpu ? BB_DEVICE_CPU : BB_DEVICE_OTHER;
     bb_table_set_text(table, row, &bb_run_device, device->name);
-    bb_table_set_text(table, row, &bb_run_device_type, device->is_cpu ? "CPU" : "GPU");
+    bb_table_set_text(table, row, &type, kind);
     bb_table_set_text(table, row, &bb_run_driver, device->driver);
-    bb_table_set_text(table, row, &bb_run_opencl, device->version);
-    bb_table_set_text(table, row, &bb_run_handover, bb_handover_word(device));
-    bb_table_set_text(table, row, &bb_run_kernels, device->sources);
+    bb_table_set_text(table, row, &opencl, device->version);
+    bb_table_set_number(table, row, &units, device->compute_units);
+    put_floats(table, row, device->float_config);
+    bb_table_set_text(table, row, &handover, bb_handover_word(device));
+    if (device->litmus_pairs > 0) {
+        bb_table_set_number(table, row, &messages, device->litmus_pairs);
+        bb_table_set_number(table, row, &stale, device->litmus_stale);
+    }
+    bb_table_set_text(table, row, &kernels, device->sources);
+}
+
+static void put_machine(bb_table *table, uint32_t row)
+{
+    char name[256] = "";
+    double load[3];
+    const long count = sysconf(_SC_NPROCESSORS_ONLN);
+    if (gethostname(name, sizeof name - 1) == 0)
+        bb_table_set_text(table, row, &bb_run_host, name);
+    read_cpu(name, sizeof name);
+    bb_table_set_text(table, row, &cpu, name);
+    if (count > 0)
+        bb_table_set_number(table, row, &threads, (double)count);
+    if (getloadavg(load, 3) != 3)
+        return;
+    bb_table_set_number(table, row, &load_1, load[0]);
+    bb_table_set_number(table, row, &load_5, load[1]);
+    bb_table_set_number(table, row, &load_15, load[2]);
 }
 
 uint32_t bb_run_row(bb_table *table, const bb_device *device, uint64_t seed, const char *command)
 {
-    char date[32], host[256] = "", cpu[256], digits[24];
+    char text[32];
     time_t now = time(NULL);
     struct tm utc;
     const uint32_t row = bb_table_row(table, (bb_cell){{NULL}});
     gmtime_r(&now, &utc);
-    strftime(date, sizeof date, "%Y-%m-%dT%H:%M:%SZ", &utc);
-    if (gethostname(host, sizeof host - 1) != 0)
-        host[0] = '\0';
-    read_cpu(cpu, sizeof cpu);
-    snprintf(digits, sizeof digits, "%" PRIu64, seed);
-    bb_table_set_text(table, row, &bb_run_date, date);
-    bb_table_set_text(table, row, &bb_run_revision, bb_build_revision);
-    bb_table_set_text(table, row, &bb_run_version, bb_build_version);
-    bb_table_set_text(table, row, &bb_run_host, host);
-    bb_table_set_text(table, row, &bb_run_cpu, cpu);
+    strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
+    bb_table_set_text(table, row, &date, text);
+    bb_table_set_text(table, row, &revision, bb_build_revision);
+    bb_table_set_text(table, row, &version, bb_build_version);
+    put_machine(table, row);
     if (device != NULL)
         put_device(table, row, device);
-    bb_table_set_text(table, row, &bb_run_flags, bb_build_flags);
-    bb_table_set_text(table, row, &bb_run_seed, digits);
-    bb_table_set_text(table, row, &bb_run_command, command);
+    bb_table_set_text(table, row, &flags, bb_build_flags);
+    snprintf(text, sizeof text, "%" PRIu64, seed);
+    bb_table_set_text(table, row, &seed_column, text);
+    bb_table_set_text(table, row, &command_column, command);
     return row;
 }

@@ -6,14 +6,17 @@
 #include "framework/device/device.h"
 #include "framework/table/table.h"
 
-/* Columns of that row, all of texts. */
-extern const bb_column bb_run_date, bb_run_revision, bb_run_version, bb_run_host, bb_run_cpu,
-    bb_run_device, bb_run_device_type, bb_run_driver, bb_run_opencl, bb_run_handover,
-    bb_run_kernels, bb_run_flags, bb_run_seed, bb_run_command;
-/* "yes": the run was interrupted. What is there is whole, but not all that was asked for. */
-extern const bb_column bb_run_interrupted;
+/* Words of "device_type". */
+#define BB_DEVICE_CPU "CPU"
+#define BB_DEVICE_OTHER "GPU" /* whatever is no CPU */
 
-/* Fills the row and returns it. `device` may be NULL; `command` is the command line. */
+/* Columns of that row which others fill, too. Interrupted, "yes": what is there is whole, but it is
+ * not all that was asked for. */
+extern const bb_column bb_run_device, bb_run_driver, bb_run_host, bb_run_interrupted;
+
+/* Fills the row and returns it: date, revision, version, host, cpu, cpu_threads, the load of 1, 5
+ * and 15 minutes; of the device (NULL: none) its name, type, driver, opencl, compute_units,
+ * float_config, handover, litmus test and kernels; build_flags, seed and command line. */
 uint32_t bb_run_row(bb_table *table, const bb_device *device, uint64_t seed, const char *command);
 
 #endif

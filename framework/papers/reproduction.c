@@ -181,14 +181,14 @@ static void show_claims(const cJSON *claims, bb_page *page)
 static void show_here(const bb_results *results, bb_page *page)
 {
     const bb_entry *context = bb_results_context(results);
-    const cJSON *load = cJSON_GetArrayItem(cJSON_GetObjectItemCaseSensitive(context, "load"), 0);
+    const double load = bb_get_number(context, BB_F_CONTEXT_LOAD_1);
     const double units = bb_get_number(context, BB_F_CONTEXT_UNITS);
     bb_words words = {0};
     bb_say(&words, "here: bvhbench %s on %s", bb_get_text(context, BB_F_CONTEXT_REVISION),
            bb_get_text(context, BB_F_CONTEXT_DEVICE));
-    if (cJSON_IsNumber(load))
-        bb_say(&words, ", %g compute units, load %.1f at the start%s", units, load->valuedouble,
-               load->valuedouble > 0.5 * units ? ": times are noisy, tests and costs are not" : "");
+    if (isfinite(load))
+        bb_say(&words, ", %g compute units, load %.1f at the start%s", units, load,
+               load > 0.5 * units ? ": times are noisy, tests and costs are not" : "");
     bb_page_say(page, "%s", words.text);
 }
 

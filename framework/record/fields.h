@@ -4,7 +4,7 @@
  *
  * `id` is BB_F_id in C. `part` is where the field stands (schema.h). `types` are those that a
  * reader takes. `writer` says where the value comes from: a member of the record (scene S, its
- * profile P, build B, trace T, its accuracy A, context C, note N for skipped sets and pictures,
+ * profile P, build B, trace T, its accuracy A, note N for skipped sets and pictures,
  * prediction F), a
  * function (BY), or another field's function or a later step (LATER). `format`, `heading` and
  * `help` are those of all tables; a field without a heading is in no table. Fields may be added,
@@ -18,37 +18,39 @@
 /* clang-format off */
 
 /* ---- context ---- */
-FIELD(CONTEXT_DATE, CONTEXT, "date", "", TEXT | NONE, C(STRING, date), AS_TEXT, "Date", NULL)
-FIELD(CONTEXT_REVISION, CONTEXT, "revision", "", TEXT | NONE, C(STRING, revision), AS_TEXT,
+FIELD(CONTEXT_DATE, CONTEXT, "date", "", TEXT | NONE, LATER, AS_TEXT, "Date", NULL)
+FIELD(CONTEXT_REVISION, CONTEXT, "revision", "", TEXT | NONE, LATER, AS_TEXT,
       "Revision", NULL)
-FIELD(CONTEXT_VERSION, CONTEXT, "version", "", TEXT | NONE, C(STRING, version), AS_TEXT, NULL, NULL)
-FIELD(CONTEXT_HOST, CONTEXT, "host", "", TEXT | NONE, C(STRING, host), AS_TEXT, "Host", NULL)
-FIELD(CONTEXT_CPU, CONTEXT, "cpu", "", TEXT | NONE, C(STRING, cpu), AS_TEXT, "Processor", NULL)
-FIELD(CONTEXT_THREADS, CONTEXT, "cpu_threads", "", NUMBER | NONE, C(SIZE, cpu_threads), AS_WHOLE,
+FIELD(CONTEXT_VERSION, CONTEXT, "version", "", TEXT | NONE, LATER, AS_TEXT, NULL, NULL)
+FIELD(CONTEXT_HOST, CONTEXT, "host", "", TEXT | NONE, LATER, AS_TEXT, "Host", NULL)
+FIELD(CONTEXT_CPU, CONTEXT, "cpu", "", TEXT | NONE, LATER, AS_TEXT, "Processor", NULL)
+FIELD(CONTEXT_THREADS, CONTEXT, "cpu_threads", "", NUMBER | NONE, LATER, AS_WHOLE,
       NULL, NULL)
-FIELD(CONTEXT_LOAD, CONTEXT, "load", "", NUMBERS | NUMBER | NONE, BY(bb_put_load), AS_FIGURE,
-      "Load (1, 5, 15 min)", NULL)
+FIELD(CONTEXT_LOAD_1, CONTEXT, "load_1", "", NUMBER | NONE, LATER, AS_FIGURE, "Load, 1 min", NULL)
+FIELD(CONTEXT_LOAD_5, CONTEXT, "load_5", "", NUMBER | NONE, LATER, AS_FIGURE, "Load, 5 min", NULL)
+FIELD(CONTEXT_LOAD_15, CONTEXT, "load_15", "", NUMBER | NONE, LATER, AS_FIGURE, "Load, 15 min",
+      NULL)
 FIELD(CONTEXT_OTHERS, CONTEXT, "others_cpu", "", NUMBER | NONE, LATER, AS_FIGURE,
       "Other programs", "processors that they kept busy during the run, on average")
-FIELD(CONTEXT_DEVICE, CONTEXT, "device", "", TEXT | NONE, C(STRING, device), AS_TEXT, "Device",
+FIELD(CONTEXT_DEVICE, CONTEXT, "device", "", TEXT | NONE, LATER, AS_TEXT, "Device",
       NULL)
-FIELD(CONTEXT_DEVICE_TYPE, CONTEXT, "device_type", "", TEXT | NONE, C(STRING, device_type), AS_TEXT,
+FIELD(CONTEXT_DEVICE_TYPE, CONTEXT, "device_type", "", TEXT | NONE, LATER, AS_TEXT,
       NULL, NULL)
-FIELD(CONTEXT_DRIVER, CONTEXT, "driver", "", TEXT | NONE, C(STRING, driver), AS_TEXT, "Driver",
+FIELD(CONTEXT_DRIVER, CONTEXT, "driver", "", TEXT | NONE, LATER, AS_TEXT, "Driver",
       NULL)
-FIELD(CONTEXT_OPENCL, CONTEXT, "opencl", "", TEXT | NONE, C(STRING, opencl), AS_TEXT, "OpenCL",
+FIELD(CONTEXT_OPENCL, CONTEXT, "opencl", "", TEXT | NONE, LATER, AS_TEXT, "OpenCL",
       NULL)
-FIELD(CONTEXT_UNITS, CONTEXT, "compute_units", "", NUMBER | NONE, C(SIZE, compute_units), AS_WHOLE,
+FIELD(CONTEXT_UNITS, CONTEXT, "compute_units", "", NUMBER | NONE, LATER, AS_WHOLE,
       "Compute units", NULL)
-FIELD(CONTEXT_FLOATS, CONTEXT, "float_config", "", TEXTS | NONE, BY(bb_put_float_config), AS_TEXT,
+FIELD(CONTEXT_FLOATS, CONTEXT, "float_config", "", TEXT | NONE, LATER, AS_TEXT,
       "Floats of the device", NULL)
-FIELD(CONTEXT_HANDOVER, CONTEXT, "handover", "", TEXT | NONE, C(STRING, handover), AS_TEXT, NULL,
+FIELD(CONTEXT_HANDOVER, CONTEXT, "handover", "", TEXT | NONE, LATER, AS_TEXT, NULL,
       NULL)
-FIELD(CONTEXT_LITMUS, CONTEXT, "litmus_messages", "", NUMBER | NONE, C(DOUBLE, litmus_messages),
+FIELD(CONTEXT_LITMUS, CONTEXT, "litmus_messages", "", NUMBER | NONE, LATER,
       AS_WHOLE, NULL, NULL)
-FIELD(CONTEXT_STALE, CONTEXT, "litmus_stale", "", NUMBER | NONE, C(DOUBLE, litmus_stale), AS_WHOLE,
+FIELD(CONTEXT_STALE, CONTEXT, "litmus_stale", "", NUMBER | NONE, LATER, AS_WHOLE,
       NULL, NULL)
-FIELD(CONTEXT_KERNELS, CONTEXT, "kernels", "", TEXT | NONE, C(STRING, kernels), AS_TEXT, "Kernels",
+FIELD(CONTEXT_KERNELS, CONTEXT, "kernels", "", TEXT | NONE, LATER, AS_TEXT, "Kernels",
       NULL)
 FIELD(CONTEXT_PROGRAMS, CONTEXT, "programs", "", NUMBER | NONE, LATER, AS_WHOLE,
       "Programs compiled", "programs of device code")
@@ -57,13 +59,14 @@ FIELD(CONTEXT_COMPILE, CONTEXT, "compile_ms", "ms", NUMBER | NONE, LATER, AS_FIG
 FIELD(CONTEXT_CACHE, CONTEXT, "kernel_cache", "", TEXT | NONE, LATER, AS_TEXT, "Kernel cache",
       "cold: compiled again, the slowest program takes less than a third of the time; warm: it "
       "does not, so it came from the driver's cache, or there is none")
-FIELD(CONTEXT_EMBREE, CONTEXT, "embree", "", OBJECT | NONE, BY(bb_put_embree), AS_TEXT, "Embree",
+FIELD(CONTEXT_EMBREE, CONTEXT, "embree", "", TEXT | NONE, LATER, AS_TEXT, "Embree", NULL)
+FIELD(CONTEXT_EMBREE_API, CONTEXT, "embree_api", "", TEXT | NONE, LATER, AS_TEXT, "Embree's calls",
       NULL)
-FIELD(CONTEXT_FLAGS, CONTEXT, "build_flags", "", TEXT | NONE, C(STRING, build_flags), AS_TEXT,
+FIELD(CONTEXT_FLAGS, CONTEXT, "build_flags", "", TEXT | NONE, LATER, AS_TEXT,
       "Build flags", NULL)
-FIELD(CONTEXT_SEED, CONTEXT, "seed", "", NUMBER | TEXT | NONE, BY(bb_put_seed), AS_WHOLE, "Seed",
+FIELD(CONTEXT_SEED, CONTEXT, "seed", "", TEXT | NONE, LATER, AS_TEXT, "Seed",
       NULL)
-FIELD(CONTEXT_COMMAND, CONTEXT, "command", "", TEXT | NONE, C(STRING, command), AS_TEXT, "Command",
+FIELD(CONTEXT_COMMAND, CONTEXT, "command", "", TEXT | NONE, LATER, AS_TEXT, "Command",
       NULL)
 FIELD(CONTEXT_SHARD, CONTEXT, "shard", "", TEXT | NONE, LATER, AS_TEXT, "Shard",
       "which part of the cells, of how many")

@@ -65,7 +65,7 @@ bb_status bb_results_create(const bb_context *context, bb_results **out)
     results->root = cJSON_CreateObject();
     cJSON *root = results->root;
     bool ok = root != NULL && bb_put_text(root, "schema", BB_RESULTS_SCHEMA) &&
-              bb_put_context(root, context, embree_version) &&
+              bb_put_context(root, context, embree_version) == BB_OK &&
               bb_put(root, "scenes", cJSON_CreateArray()) &&
               bb_put(root, "builds", cJSON_CreateArray()) &&
               bb_put(root, "traces", cJSON_CreateArray()) &&

@@ -8,6 +8,7 @@
 #include "framework/base/statistics.h"
 #include "framework/base/status.h"
 #include "framework/device/device_private.h"
+#include "framework/device/run_row.h"
 #include "framework/judge/accuracy.h"
 #include "framework/rays/rays.h"
 #include "framework/record/cell.h"
@@ -132,10 +133,6 @@ void bb_build_record_init(bb_build_record *build);
 void bb_trace_record_init(bb_trace_record *trace);
 
 typedef struct bb_results bb_results;
-
-/* Words of the context's `device_type`. */
-#define BB_DEVICE_CPU "CPU"
-#define BB_DEVICE_OTHER "GPU" /* whatever is no CPU */
 
 /* Whether figures of two devices, by name and type, may stand side by side: of one device, or of
  * processors. */

@@ -2,6 +2,7 @@
 #ifndef BB_RECORD_PRIVATE_H
 #define BB_RECORD_PRIVATE_H
 
+#include "framework/device/run_row.h"
 #include "framework/record/put.h"
 #include "framework/record/record.h"
 
@@ -10,19 +11,6 @@
 struct bb_results {
     cJSON *root;
 };
-
-/* The context of a run, as put into the document. Texts may be NULL. */
-typedef struct bb_context_record {
-    const char *date, *revision, *version, *host, *cpu, *device, *device_type, *driver, *opencl,
-        *handover;
-    const char *kernels, *build_flags, *command;
-    uint32_t cpu_threads, compute_units;  /* 0: not known */
-    double litmus_messages, litmus_stale; /* NAN: the device has no fence */
-    double load[3];                       /* NAN: not known */
-    cl_device_fp_config float_config;
-    const char *embree_version;
-    uint64_t seed;
-} bb_context_record;
 
 /* A ray set that was skipped, or a picture. */
 typedef struct bb_note_record {
@@ -35,8 +23,8 @@ typedef struct bb_note_record {
  */
 typedef bool bb_put_fn(cJSON *object, const char *name, const void *record, const void *extra);
 
-/* All fields of a part, from its record: bb_scene, bb_build_record, bb_trace_record,
- * bb_context_record or bb_note_record. */
+/* All fields of a part, from its record: bb_scene, bb_build_record, bb_trace_record
+ * or bb_note_record. */
 bool bb_put_part(cJSON *object, bb_field_part part, const void *record, const void *extra);
 /* The same as an object of its own, the member `name` of `entry`. */
 bool bb_put_inner(cJSON *entry, const char *name, bb_field_part part, const void *record);
@@ -44,9 +32,7 @@ bool bb_put_inner(cJSON *entry, const char *name, bb_field_part part, const void
 bool bb_put_samples(cJSON *object, const char *name, const bb_samples *samples);
 bool bb_put_named(cJSON *object, const char *name, const bb_named_ms *entries, uint32_t count);
 
-/* What fields.h puts by functions: of the context (record_context.c), of a scene, a build, a trace
- * (record_entries.c). */
-bb_put_fn bb_put_load, bb_put_float_config, bb_put_embree, bb_put_seed;
+/* What fields.h puts by functions: of a scene, a build, a trace (record_entries.c). */
 bb_put_fn bb_put_prims, bb_put_steps, bb_put_bits, bb_put_needs;
 bb_put_fn bb_put_build_decisions, bb_put_trace_decisions;
 bb_put_fn bb_put_kinds, bb_put_bounds, bb_put_profile, bb_put_boxes, bb_put_views, bb_put_closed;
@@ -61,7 +47,7 @@ bb_put_fn bb_put_native, bb_put_rays_source, bb_put_query, bb_put_rays_params, b
 bool bb_put_missing_key(cJSON *trace);
 
 /* The run's context as the member "context" of the document. */
-bool bb_put_context(cJSON *root, const bb_context *context, const char *embree_version);
+bb_status bb_put_context(cJSON *root, const bb_context *context, const char *embree_version);
 
 /* Intervals and ranges of `ms` into a build, as times, and into a trace, whose count is there, as
  * rates. False if there is no memory. */

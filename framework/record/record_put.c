@@ -117,7 +117,6 @@ typedef struct writer {
 #define B(kind, member) AT(bb_build_record, kind, member)
 #define T(kind, member) AT(bb_trace_record, kind, member)
 #define A(kind, member) AT(bb_trace_record, kind, accuracy.member)
-#define C(kind, member) AT(bb_context_record, kind, member)
 #define N(kind, member) AT(bb_note_record, kind, member)
 #define F(kind, member) AT(bb_prediction_record, kind, member)
 #define BY(function)                                                                               \

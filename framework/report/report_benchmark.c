@@ -26,11 +26,10 @@ static void put_context(bb_json *json, const bb_entry *from)
     bb_json_add_text(json, "cpu", bb_get_text(from, BB_F_CONTEXT_CPU));
     bb_json_add_text(json, "device", bb_get_text(from, BB_F_CONTEXT_DEVICE));
     bb_json_add_number(json, "json_schema_version", 1);
-    bb_samples loads;
-    if (bb_get_samples(from, BB_F_CONTEXT_LOAD, &loads)) {
+    if (isfinite(bb_get_number(from, BB_F_CONTEXT_LOAD_1))) {
         bb_json_array(json, "load_avg");
-        for (uint32_t i = 0; i < loads.count; i++)
-            bb_json_add_number(json, NULL, loads.values[i]);
+        for (int i = 0; i < 3; i++)
+            bb_json_add_number(json, NULL, bb_get_number(from, BB_F_CONTEXT_LOAD_1 + i));
         bb_json_end_array(json);
     }
     bb_json_end_object(json);

@@ -20,14 +20,12 @@ function head() {
   const texts = {
     date: c.date && c.date.replace('T', ' ').replace('Z', ' UTC'),
     cpu: c.cpu && c.cpu_threads ? `${c.cpu}, ${c.cpu_threads} threads` : c.cpu,
-    float_config: Array.isArray(c.float_config) ? c.float_config.join(', ') : null,
-    embree: c.embree && [c.embree.version, c.embree.api].filter(v => typeof v === 'string').join(', '),
-    load: Array.isArray(c.load) ? c.load.map(figure).join(', ') : c.load,
+    embree: [c.embree, c.embree_api].filter(Boolean).join(', '),
   };
   const entries = names => names.map(name => [schema.context[name].heading, name in texts ? texts[name] : c[name]]);
   contextList($('context'), entries(['date', 'revision', 'host', 'cpu', 'device', 'driver', 'opencl', 'seed']));
   contextList($('more-context').querySelector('dl'),
-              entries(['build_flags', 'kernels', 'compute_units', 'float_config', 'embree', 'load', 'command']));
+              entries(['build_flags', 'kernels', 'compute_units', 'float_config', 'embree', 'load_1', 'load_5', 'load_15', 'command']));
   (data.merged || []).forEach((m, i) => contextList($('more-context').querySelector('dl'), [
     [`Run ${i + 2}`, [m.date, m.revision, m.host, m.device].filter(Boolean).join(', ')],
     [`Command of run ${i + 2}`, m.command]]));
