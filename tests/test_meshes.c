@@ -167,6 +167,13 @@ static void a_scene_may_be_there_twice(void **state)
     const outcome *o = run("slice --scene tets:side=2 --scene tets:side=2 --builder lbvh --search "
                            "skip --slices 1 --size 4x4 --repeats 1 --out twice");
     assert_int_equal(o->exit_status, 0);
+    expect(0, "report twice/slice.json --csv", "scene,question,builder,maker,intersector,");
+    expect(0, "report twice/slice.json --markdown", "## tets:side=2 (2)");
+    expect(0, "report twice/slice.json --table", "tets:side=2 (2)\n");
+    expect(0, "report twice/slice.json --out page.html", "page.html");
+    assert_int_equal(access_in_folder("page.html"), 0);
+    refuses("", "report twice/slice.json twice/slice.json", "alone");
+    refuses("", "report twice/slice.json --google-benchmark", "alone");
     bb_table *table = read_table("twice/slice.json");
     assert_int_not_equal(bb_table_find(table, (bb_cell){{[BB_SCENE] = "tets:side=2"}}), BB_NO_ROW);
     assert_int_not_equal(bb_table_find(table, (bb_cell){{[BB_SCENE] = "tets:side=2 (2)"}}),

@@ -3,11 +3,13 @@
 #include "framework/cli/choice.h"
 #include "framework/cli/inputs.h"
 #include "framework/cli/out_option.h"
+#include "framework/cli/report_table.h"
 #include "framework/history/history.h"
 #include "framework/history/trend.h"
 #include "framework/record/record.h"
 #include "framework/report/report.h"
 #include "framework/report/report_history.h"
+#include "framework/table/table.h"
 
 #include <cjson/cJSON.h>
 #include <stdio.h>
@@ -161,6 +163,21 @@ static bb_status read_inputs(const bb_cli *cli, bb_results **all, char **folder)
     return BB_OK;
 }
 
+static bb_status report_table(const bb_cli *cli, const wanted *w, const char *path)
+{
+    if (cli->positional_count > 1 || w->google_benchmark)
+        return bb_fail(BB_INVALID, "report: %s is a table of results: give it alone%s", path,
+                       w->google_benchmark ? ", without --google-benchmark" : "");
+    if (w->out != NULL)
+        BB_TRY(bb_out_file(w->out, "report"));
+    return bb_report_table_file(path,
+                                w->csv        ? BB_TABLE_CSV
+                                : w->markdown ? BB_TABLE_MARKDOWN
+                                : w->table    ? BB_TABLE_TEXT
+                                              : BB_TABLE_PAGE,
+                                w->out);
+}
+
 static bb_status run(const bb_cli *cli, void *values, int *exit_status)
 {
     (void)exit_status;
@@ -169,6 +186,9 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
         return report_history(cli, w->history, w->out);
     if (cli->positional_count == 0)
         return bb_fail(BB_INVALID, "report: give a result file, or the folder of a run");
+    for (uint32_t i = 0; i < cli->positional_count; i++)
+        if (bb_table_is_file(cli->positional[i]))
+            return report_table(cli, w, cli->positional[i]);
     bb_results *all = NULL;
     char *folder = NULL, beside[PATH_MAX];
     const bool only = w->table || w->markdown || w->csv || w->google_benchmark;
@@ -197,7 +217,7 @@ const bb_command bb_command_report = {
     .arguments = "FILE|DIR...",
     .details = "A folder stands for its results.json. Several inputs become one report; scenes of "
                "the same\n"
-               "name must have the same geometry.",
+               "name must have the same geometry. A table, such as slice.json, is reported alone.",
     .options = options,
     .bytes = sizeof(wanted),
     .run = run,

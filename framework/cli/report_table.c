@@ -1,0 +1,83 @@
+#include "framework/cli/report_table.h"
+
+#include "framework/base/file.h"
+#include "framework/cli/inputs.h"
+#include "framework/overlap/overlap_contest.h"
+#include "framework/slice/slice_contest.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const bb_page_outline *const outlines[] = {&bb_slice_outline, &bb_overlap_outline};
+
+static const bb_page_outline *outline_of(const bb_table *table)
+{
+    for (size_t i = 0; i < sizeof outlines / sizeof outlines[0]; i++)
+        if (strcmp(outlines[i]->command, bb_table_command(table)) == 0)
+            return outlines[i];
+    return NULL;
+}
+
+static bb_status print_csv(const bb_table *table)
+{
+    char *text = bb_table_csv(table);
+    if (text == NULL)
+        return bb_fail(BB_REFUSED, "report: no memory");
+    fputs(text, stdout);
+    free(text);
+    return BB_OK;
+}
+
+/* COMMAND.html in the folder, unless there is a name. */
+static bb_status write_page(const bb_page *page, const bb_table *table, const char *folder,
+                            const char *out, bool said)
+{
+    char beside[PATH_MAX], name[80];
+    snprintf(name, sizeof name, "%s.html", bb_table_command(table));
+    BB_TRY(bb_join_path(beside, folder, name));
+    out = out != NULL ? out : beside;
+    BB_TRY(bb_page_html(page, table, folder, out));
+    if (said)
+        printf(" report  %s\n", out);
+    return BB_OK;
+}
+
+static bb_status show(const bb_table *table, const char *folder, bb_table_form form,
+                      const char *out)
+{
+    bb_page *page;
+    const bb_page_outline *outline = outline_of(table);
+    if (form == BB_TABLE_CSV && out == NULL)
+        return print_csv(table);
+    if (outline == NULL)
+        return bb_fail(BB_UNSUPPORTED, "report: tables of `%s` are shown as CSV alone: give --csv",
+                       bb_table_command(table));
+    BB_TRY(bb_outline_page(outline, table, &page));
+    bb_status status = BB_OK;
+    if (form == BB_TABLE_CSV)
+        status = print_csv(table);
+    else if (form == BB_TABLE_MARKDOWN)
+        bb_page_markdown(page, stdout);
+    else
+        bb_page_print(page, stdout);
+    if (status == BB_OK && (out != NULL || form == BB_TABLE_PAGE))
+        status = write_page(page, table, folder, out, form == BB_TABLE_PAGE);
+    bb_page_free(page);
+    return status;
+}
+
+bb_status bb_report_table_file(const char *path, bb_table_form form, const char *out)
+{
+    bb_table *table;
+    char *folder = bb_file_folder(path);
+    if (folder == NULL)
+        return bb_fail(BB_REFUSED, "report: no memory");
+    bb_status status = bb_table_read(path, &table);
+    if (status == BB_OK) {
+        status = show(table, folder, form, out);
+        bb_table_free(table);
+    }
+    free(folder);
+    return status;
+}

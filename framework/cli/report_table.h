@@ -1,0 +1,19 @@
+/* What `report` makes of the table of a command: text, Markdown, CSV, a page. */
+#ifndef BB_REPORT_TABLE_H
+#define BB_REPORT_TABLE_H
+
+#include "framework/base/status.h"
+
+typedef enum bb_table_form {
+    BB_TABLE_PAGE,
+    BB_TABLE_TEXT,
+    BB_TABLE_MARKDOWN,
+    BB_TABLE_CSV
+} bb_table_form;
+
+/* Prints the table at `path` in this form. Writes the page to `out`, if it is not NULL; for
+ * BB_TABLE_PAGE it is COMMAND.html beside the table then. BB_UNSUPPORTED: the table's command has
+ * no page; CSV goes for all. */
+bb_status bb_report_table_file(const char *path, bb_table_form form, const char *out);
+
+#endif
