@@ -219,8 +219,9 @@ typedef struct bb_cwbvh {
 /* Most primitives of a leaf in a compressed node. */
 #define BB_CWBVH_LEAF_MAX 3
 
-/* How best to merge a pair into wide nodes: its cost as up to 1, 2, ... children, times area, and,
- * in 4 bits each, how many of these its left side gets; 0: one child fewer is as good. 32 bytes. */
+/* The best way to merge a pair into wide nodes: its cost as up to 1, 2, ... children, times area,
+ * and, in 4 bits each, how many of these its left side gets; 0: one child fewer is as good. 32
+ * bytes. */
 typedef struct bb_wide_plan {
     float cost[7];
     bb_u32 splits;

@@ -109,7 +109,7 @@ typedef struct bb_layout_maker {
     bb_account account; /* also for the layouts made, which are released first */
     void *self;
     bb_layout_wish wish;          /* set after creation; zeroed: none */
-    struct bb_collapse *collapse; /* NULL until leaves are asked for */
+    struct bb_collapse *collapse; /* NULL until a layout with collapsed leaves is requested */
     struct bb_reach *reach;       /* NULL until a tree needs it */
     /* The input of the last layout, for bb_layout_maker_follow(). */
     uint64_t links; /* the tree's; 0: nothing to follow from */

@@ -8,7 +8,7 @@
  *
  * - No matrices of distances are kept: distances are recomputed from boxes in the first-level
  *   cache, so memory grows with f(n), not with its square; it is reserved before a build.
- * - Equal codes are told apart by their index, so that the recursion is at most 32 levels deeper
+ * - Equal codes are distinguished by their index, so that the recursion is at most 32 levels deeper
  *   than the code is long.
  * - Recursion is by subtrees of a given size, then upwards by levels of the radix tree.
  * - Large triangles are not split first; `presplit+aac` does that.

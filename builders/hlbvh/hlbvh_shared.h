@@ -43,7 +43,7 @@ typedef struct hl_task {
     float lo[3], hi[3]; /* box of the items' centroids, in the scene's unit */
 } hl_task;
 
-/* Where a task is split: before bin `bin` of `axis`; axis 3: before item `middle`. */
+/* The split of a task: before bin `bin` of `axis`; axis 3: before item `middle`. */
 typedef struct hl_split {
     bb_u32 axis, bin, middle, pad;
 } hl_split;

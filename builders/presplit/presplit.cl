@@ -111,7 +111,7 @@ void ps_include(ps_part *part, const float *lo, const float *hi)
     }
 }
 
-/* Where the edge from a to b crosses the plane, as a box: a[axis] < plane < b[axis].
+/* Computes where the edge from a to b crosses the plane, as a box: a[axis] < plane < b[axis].
  *
  * With u = 2^-24 and a quotient that may be off by 2.5 ulp, the parameter is off by 8u of itself,
  * so a coordinate by 10u times that of the edge, and u times itself; `error` is more. */

@@ -2,7 +2,7 @@
  * least, on the device.
  *
  *   make families: inner nodes with both children's boxes                 (reinsert_families.cl)
- *   for each pass, until one gains next to nothing:
+ *   for each pass, until one gains too little:
  *       take a share of the subtrees, the largest ones, in some parts; for each part:
  *           for each subtree: find the place where it would cost least      (reinsert_search.cl)
  *           make the moves that do not conflict, the best first              (reinsert_moves.cl)

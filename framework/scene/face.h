@@ -15,7 +15,7 @@ typedef struct bb_face {
 void bb_face_normal(const bb_face *face, double normal[3]);
 double bb_face_twice_area(const bb_face *face);
 
-/* Whether its area is exactly 0. */
+/* Returns whether its area is exactly 0. */
 bool bb_face_is_flat(const bb_face *face);
 
 /* On a plane of constant coordinate the point is exactly on that plane. */

@@ -114,7 +114,7 @@ static int hits(const bb_scene *scene, uint32_t i, const double o[3], const floa
     return bb_exact_meets_sphere(o, d, sphere_of(scene, i)) ? extended(scene, i, o, d, t) : 0;
 }
 
-/* At the point nearest to the line. */
+/* Returns 0: near the extent from pass(), the point of the line nearest to the centre. */
 static int nearby(const bb_scene *scene, uint32_t i, const double o[3], const float d[3],
                   double eps, double t[2])
 {

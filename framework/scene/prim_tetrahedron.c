@@ -45,7 +45,7 @@ static bb_status bounds(const bb_scene *scene, uint32_t i, bb_box *box)
     return BB_OK;
 }
 
-/* Of the smallest face with an area. */
+/* Returns the product for the smallest face with an area. */
 static double product(const bb_scene *scene, uint32_t i)
 {
     bb_face faces[FACES];

@@ -50,7 +50,7 @@ static bb_status place_light(const bb_rays_job *job, light *light)
     return BB_OK;
 }
 
-/* From the surface (t = 0) to the light (t = 1). */
+/* Makes a ray from the surface (t = 0) to the light (t = 1). */
 static bb_status make_shadow(void *context, const bb_surface_point *point, bb_random *random,
                              bb_ray *ray)
 {
