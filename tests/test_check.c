@@ -32,12 +32,15 @@ static void output_begins_with_the_device(void **state)
         "run --scene cube --builder lbvh --kernel stack --size 8x8 --rays primary --repeats 1 "
         "--charts no --out begun"};
     for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++) {
-        char name[256] = "", begin[300];
+        char name[256];
         const outcome *o = run_program("", BB_TEST_BINARY, commands[i]);
-        sscanf(o->out, "%255[^\n]", name);
-        snprintf(begin, sizeof begin, "device: %s (", name);
-        if (name[0] == '\0' || strncmp(o->err, begin, strlen(begin)) != 0)
-            fail_msg("%s: progress begins with %.60s, output with %s", commands[i], o->err, name);
+        const char *end = strstr(o->err, " (OpenCL "), *line = strchr(o->out, '\n');
+        if (strncmp(o->err, "device: ", 8) != 0 || end == NULL)
+            fail_msg("%s: progress begins with %.60s", commands[i], o->err);
+        snprintf(name, sizeof name, "%.*s", (int)(end - o->err - 8), o->err + 8);
+        const char *found = strstr(o->out, name);
+        if (found == NULL || found > line)
+            fail_msg("%s: begins with %.40s, without %s", commands[i], o->out, name);
     }
 }
 

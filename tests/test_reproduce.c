@@ -92,7 +92,7 @@ static void means_leave_out_what_is_missing(void **state)
     const bb_paper_place at = {.all = &f, .view = -1};
     assert_true(value_at(&f, NULL, both) == 2 && value_at(&f, NULL, one) == 0.5);
     assert_true(isnan(value_at(&f, NULL, none)));
-    bb_series s = bb_figure_series(at, &one);
+    bb_paper_series s = bb_figure_series(at, &one);
     assert_true(bb_series_mean(&s) == 0.5 && bb_series_least(&s) == 0.5);
     bb_words words = {0};
     bb_say_text(&words, "cost {0~}", at, figures);
@@ -114,7 +114,7 @@ static void texts_have_figures(void **state)
     add_build(results, flat, "lbvh", 1, 1);
     add_build(results, cubic, "lbvh", 8, 1);
     bb_findings f = findings_of(results, 0);
-    static const bb_entrant row = {.name = "the row", .builder = "e$", .base = "lbvh"};
+    static const bb_paper_entrant row = {.name = "the row", .builder = "e$", .base = "lbvh"};
     static const bb_figure over = {.what = "sah", .builder = "$mc", .base = "="},
                            inverse = {.what = "sah",
                                       .builder = "$mc",

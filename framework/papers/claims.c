@@ -15,7 +15,7 @@ static bool is_meant(const bb_paper_claim *claim, uint32_t row)
     return claim->which == 0 || (claim->which >> row & 1) != 0;
 }
 
-static void add_element(bb_series *s, bb_paper_place at, const bb_figure *figure)
+static void add_element(bb_paper_series *s, bb_paper_place at, const bb_figure *figure)
 {
     bool timed;
     s->places[s->count] = at;
@@ -24,11 +24,11 @@ static void add_element(bb_series *s, bb_paper_place at, const bb_figure *figure
 }
 
 /* What stands for scenes: those of a figure, or the rows of a claim on all of them together. */
-static bb_series elements_of(const trial *t, const bb_figure *figure)
+static bb_paper_series elements_of(const trial *t, const bb_figure *figure)
 {
     const bb_paper_claim *claim = t->claim;
     const bb_findings *f = &t->at.all[figure->of];
-    bb_series s = {.count = 0, .mean = bb_not_measured};
+    bb_paper_series s = {.count = 0, .mean = bb_not_measured};
     bb_paper_place at = t->at;
     if (!claim->together)
         return bb_figure_series(at, figure);
@@ -64,7 +64,7 @@ static bb_claim_verdict test_at(const trial *t, const bb_test *test, bb_paper_pl
                          test->most);
 }
 
-static bb_claim_verdict test_each(const trial *t, const bb_test *test, const bb_series *s)
+static bb_claim_verdict test_each(const trial *t, const bb_test *test, const bb_paper_series *s)
 {
     bb_claim_verdict each[BB_SERIES_MAX];
     for (size_t i = 0; i < s->count; i++)
@@ -72,7 +72,7 @@ static bb_claim_verdict test_each(const trial *t, const bb_test *test, const bb_
     return test->over == BB_EACH ? bb_all(each, s->count) : bb_most(each, s->count);
 }
 
-static bb_claim_verdict test_more(const bb_test *test, const bb_series *s)
+static bb_claim_verdict test_more(const bb_test *test, const bb_paper_series *s)
 {
     uint32_t lower = 0, higher = 0;
     for (size_t i = 0; i < s->count; i++) {
@@ -84,7 +84,7 @@ static bb_claim_verdict test_more(const bb_test *test, const bb_series *s)
 
 static bb_claim_verdict run_test(const trial *t, const bb_test *test)
 {
-    const bb_series s = elements_of(t, t->claim->figures[test->figure]);
+    const bb_paper_series s = elements_of(t, t->claim->figures[test->figure]);
     bb_estimate e = s.mean;
     if (test->over == BB_EACH || test->over == BB_MOST_OF)
         return test_each(t, test, &s);
@@ -164,7 +164,7 @@ static void say(const trial *t, const bb_saying *sayings, bool why, bb_words *wo
             say_one(t, s, t->at, 0, words);
             continue;
         }
-        const bb_series elements = elements_of(t, t->claim->figures[s->of]);
+        const bb_paper_series elements = elements_of(t, t->claim->figures[s->of]);
         for (size_t i = 0; i < elements.count; i++)
             say_one(t, s, elements.places[i], i, words);
     }

@@ -197,7 +197,7 @@ static const bb_paper_column methods[] = {
         .name = method, .builder = method, .base = base_, .paper = paper_                          \
     }
 /* The paper's pairings have its figures; then like against like. */
-static const bb_entrant pairs[] = {
+static const bb_paper_entrant pairs[] = {
     ROW(UPDATED_SHUFFLED, REBUILT, updated),
     ROW(UPDATED_SHUFFLED, REBUILT_SHUFFLED, NULL),
     ROW(UPDATED, REBUILT, NULL),
@@ -213,7 +213,7 @@ static const bb_entrant pairs[] = {
     {                                                                                              \
         .name = name_, .builder = name_                                                            \
     }
-static const bb_entrant all_methods[] = {
+static const bb_paper_entrant all_methods[] = {
     METHOD(REBUILT),       METHOD(REBUILT_SHUFFLED), METHOD(UPDATED),   METHOD(UPDATED_SHUFFLED),
     METHOD(LOOSE),         METHOD(LOOSE_CUBE),       METHOD(LOOSE_NOW), METHOD(LBVH),
     METHOD(SMALL_REBUILT), METHOD(SMALL_REFITTED),   {.name = NULL},

@@ -51,16 +51,16 @@ enum {
     EMC_REINSERTION,
     EMC_METHODS
 };
-extern const bb_entrant bb_emc_methods[EMC_METHODS + 1];
+extern const bb_paper_entrant bb_emc_methods[EMC_METHODS + 1];
 /* PLOC, whose radius is 8, with others. */
-extern const bb_entrant bb_emc_radii[];
+extern const bb_paper_entrant bb_emc_radii[];
 
 /* Codes of which one ingredient is another; note: what the paper has. */
-extern const bb_entrant bb_emc_ingredients[];
+extern const bb_paper_entrant bb_emc_ingredients[];
 
 /* Codes and the plain ones of equal length, as bases. */
 enum { EMC_EQUAL_CELL64 = 2, EMC_EQUALS = 5 };
-extern const bb_entrant bb_emc_equals[EMC_EQUALS + 1];
+extern const bb_paper_entrant bb_emc_equals[EMC_EQUALS + 1];
 /* What the ratio of their build times is to be at most. */
 #define EMC_BUILD_TARGET 1.05
 

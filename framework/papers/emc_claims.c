@@ -80,7 +80,7 @@ static void say_tests(bb_paper_place at, bb_words *why)
 
 static void say_slower(bb_paper_place at, bb_said *said)
 {
-    const bb_series s = bb_figure_series(at, &speed);
+    const bb_paper_series s = bb_figure_series(at, &speed);
     for (size_t i = 0; i < s.count; i++) {
         if (bb_verdict_at(s.each[i], true, BB_BELOW, 1, 0) != BB_HELD)
             continue;
@@ -93,7 +93,7 @@ static void say_slower(bb_paper_place at, bb_said *said)
 /* Each scene whose cost is off by more than 3 % has to be faster or slower as its cost says. */
 static void judge_speed(bb_paper_place at, bb_said *said)
 {
-    const bb_series s = bb_figure_series(at, &speed);
+    const bb_paper_series s = bb_figure_series(at, &speed);
     bb_claim_verdict each[BB_SERIES_MAX];
     size_t count = 0, agree = 0;
     for (size_t i = 0; i < s.count; i++) {
@@ -116,7 +116,8 @@ static void judge_speed(bb_paper_place at, bb_said *said)
 }
 
 /* The phase that adds most to the build time against the plain code. */
-static void say_phase(const bb_findings *f, const char *scene, const bb_entrant *row, bb_words *why)
+static void say_phase(const bb_findings *f, const char *scene, const bb_paper_entrant *row,
+                      bb_words *why)
 {
     bb_cell cell = {{[BB_SCENE] = scene, [BB_BUILDER] = row->builder}}, plain = cell;
     double own = 0, other = 0;
@@ -145,7 +146,7 @@ static void say_farthest(bb_paper_place at, bb_said *said)
 {
     for (int k = 0; k < EMC_EQUALS; k++) {
         at.row = &bb_emc_equals[k];
-        const bb_series s = bb_figure_series(at, &bb_emc_build_ratio);
+        const bb_paper_series s = bb_figure_series(at, &bb_emc_build_ratio);
         size_t worst = 0;
         if (k == EMC_EQUAL_CELL64 ||
             bb_verdict_at(s.mean, true, BB_BELOW, EMC_BUILD_TARGET, 0) == BB_HELD)

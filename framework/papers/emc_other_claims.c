@@ -31,7 +31,7 @@ static void judge_bridged(bb_paper_place at, bb_said *said)
     uint32_t bridged = 0, above = 0;
     for (int m = EMC_LBVH; m <= EMC_AAC_HQ; m++) {
         at.row = &bb_emc_methods[m];
-        const bb_series s = bb_figure_series(at, figures[0]);
+        const bb_paper_series s = bb_figure_series(at, figures[0]);
         for (size_t i = 0; i < s.count; i++) {
             const double with = bb_value_at(s.places[i], figures[1]);
             above += s.each[i].value > 1 && !isnan(with);

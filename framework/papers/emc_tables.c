@@ -202,7 +202,7 @@ static const bb_paper_column rates[] = {
     {                                                                                              \
         .name = name_, .builder = builder_, .note = paper_                                         \
     }
-const bb_entrant bb_emc_ingredients[] = {
+const bb_paper_entrant bb_emc_ingredients[] = {
     INGREDIENT("axes by extent", EMC_ORDER, "0.88 pompeii, 0.85 city, 1.00 others"),
     INGREDIENT("axes by extent, variable count", EMC_ORDER_COUNT, "0.56 pompeii, 0.51 city"),
     INGREDIENT("size every 4th bit", EMC_SIZES, "0.77 to 0.90"),
@@ -234,7 +234,7 @@ static void say_best(bb_paper_place at, bb_words *title)
 {
     static const bb_figure var = {.what = "sah", .builder = EMC_VAR64, .base = EMC_MC64};
     static const bb_figure *const figures[] = {&var};
-    const bb_entrant *best = &bb_emc_ingredients[0];
+    const bb_paper_entrant *best = &bb_emc_ingredients[0];
     double least = INFINITY;
     bool timed;
     for (at.row = best; strcmp(at.row->builder, EMC_SWEEP) != 0; at.row++) {
@@ -369,7 +369,7 @@ static const bb_paper_column placement[] = {
 /* "lower (4 of 7 scenes lower, 1 higher)": by intervals, where there are any. */
 static void say_which(bb_paper_place at, const bb_figure *figure, bb_words *words)
 {
-    const bb_series s = bb_figure_series(at, figure);
+    const bb_paper_series s = bb_figure_series(at, figure);
     const bool exact = figure->mean == BB_MEAN_OF_SCENES;
     const double margin = exact ? EMC_SAME : 0;
     const double low = exact ? s.mean.value : s.mean.low, high = exact ? s.mean.value : s.mean.high;

@@ -21,7 +21,7 @@ static bb_cell cell_of(const bb_paper_place *at, const bb_figure *figure, const 
                        const char *kernel, const char *view)
 {
     const char *own = kernel != NULL ? kernel : figure->kernel;
-    const bb_entrant none = {NULL}, *row = at->row != NULL ? at->row : &none;
+    const bb_paper_entrant none = {NULL}, *row = at->row != NULL ? at->row : &none;
     return (bb_cell){{[BB_SCENE] = at->scene,
                       [BB_BUILDER] = builder,
                       [BB_MAKER] = figure->phase,
@@ -194,10 +194,10 @@ static bb_estimate mean_of(const mean *m, bb_paper_mean how, size_t scenes)
     return bb_samples_estimate(&means);
 }
 
-bb_series bb_figure_series(bb_paper_place at, const bb_figure *figure)
+bb_paper_series bb_figure_series(bb_paper_place at, const bb_figure *figure)
 {
     const bb_findings *f = &at.all[figure->of];
-    bb_series s = {.count = 0};
+    bb_paper_series s = {.count = 0};
     mean m = {.count = 0};
     for (size_t i = 0; i < f->scene_count; i++) {
         at.scene = f->scenes[i];
@@ -219,7 +219,7 @@ bb_series bb_figure_series(bb_paper_place at, const bb_figure *figure)
 bb_estimate bb_figure_at(bb_paper_place at, const bb_figure *figure, bool *timed)
 {
     if (at.scene == NULL) {
-        const bb_series s = bb_figure_series(at, figure);
+        const bb_paper_series s = bb_figure_series(at, figure);
         *timed = s.timed;
         return s.mean;
     }
@@ -228,7 +228,7 @@ bb_estimate bb_figure_at(bb_paper_place at, const bb_figure *figure, bool *timed
     return estimate_of(&found);
 }
 
-double bb_series_least(const bb_series *s)
+double bb_series_least(const bb_paper_series *s)
 {
     double least = NAN;
     for (size_t i = 0; i < s->count; i++)
@@ -236,7 +236,7 @@ double bb_series_least(const bb_series *s)
     return least;
 }
 
-double bb_series_most(const bb_series *s)
+double bb_series_most(const bb_paper_series *s)
 {
     double most = NAN;
     for (size_t i = 0; i < s->count; i++)
@@ -244,7 +244,7 @@ double bb_series_most(const bb_series *s)
     return most;
 }
 
-double bb_series_mean(const bb_series *s)
+double bb_series_mean(const bb_paper_series *s)
 {
     mean m = {.count = 0};
     for (size_t i = 0; i < s->count; i++)

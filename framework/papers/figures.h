@@ -60,21 +60,21 @@ bool bb_add_rounds(bb_samples *sum, const bb_samples *more);
 /* ---- figures ---- */
 
 /* A row of a table, or what a claim is said of. Lists end with name NULL. */
-typedef struct bb_entrant {
+typedef struct bb_paper_entrant {
     const char *name;
     const char *builder; /* '$' stands for what a figure puts there */
     const char *kernel, *rays, *note;
     const char *base, *base_kernel;       /* what it is compared with */
     const struct bb_paper_numbers *paper; /* what the paper has of it */
     bool optional;                        /* left out of tables where it was not measured */
-} bb_entrant;
+} bb_paper_entrant;
 
 /* Where a figure is looked at. */
 typedef struct bb_paper_place {
-    const bb_findings *all; /* by experiment, from that of the table or claim on */
-    const bb_entrant *row;  /* NULL: no row */
-    const char *scene;      /* NULL: all, and their mean */
-    int view;               /* of the scene, by number; -1: all of them */
+    const bb_findings *all;      /* by experiment, from that of the table or claim on */
+    const bb_paper_entrant *row; /* NULL: no row */
+    const char *scene;           /* NULL: all, and their mean */
+    int view;                    /* of the scene, by number; -1: all of them */
 } bb_paper_place;
 
 typedef enum bb_paper_mean {
@@ -115,19 +115,19 @@ void bb_figure_builder(const bb_paper_place *at, const bb_figure *figure, const 
 
 /* A figure of each scene, or of each of its views. */
 enum { BB_SERIES_MAX = 256 };
-typedef struct bb_series {
+typedef struct bb_paper_series {
     size_t count;
     bb_paper_place places[BB_SERIES_MAX];
     bb_estimate each[BB_SERIES_MAX];
     bb_estimate mean;
     bool timed;
-} bb_series;
-bb_series bb_figure_series(bb_paper_place at, const bb_figure *figure);
+} bb_paper_series;
+bb_paper_series bb_figure_series(bb_paper_place at, const bb_figure *figure);
 
 /* Arithmetic, of those that are no NAN; NAN if there is none. */
-double bb_series_mean(const bb_series *s);
-double bb_series_least(const bb_series *s);
-double bb_series_most(const bb_series *s);
+double bb_series_mean(const bb_paper_series *s);
+double bb_series_least(const bb_paper_series *s);
+double bb_series_most(const bb_paper_series *s);
 
 /* ---- texts ---- */
 
@@ -227,10 +227,10 @@ typedef struct bb_paper_claim {
     const char *text;  /* the paper's statement, shortened, with any threshold; as bb_say_text() */
     const char *paper; /* its figures; "": none */
     int of;            /* experiment: that of its figures */
-    const bb_entrant *rows; /* said of each of them; NULL: of none */
-    uint32_t which;         /* of the rows, by bits; 0: all */
-    bool together;          /* one claim on all rows, which stand for its scenes */
-    bool of_scenes;         /* on each of these rows with each scene */
+    const bb_paper_entrant *rows; /* said of each of them; NULL: of none */
+    uint32_t which;               /* of the rows, by bits; 0: all */
+    bool together;                /* one claim on all rows, which stand for its scenes */
+    bool of_scenes;               /* on each of these rows with each scene */
     const bb_figure *figures[BB_CLAIM_FIGURES];
     bb_test tests[BB_CLAIM_TESTS]; /* end with one without a side */
     uint32_t scenes;               /* at least: with fewer it is not tested */
@@ -315,9 +315,9 @@ typedef struct bb_paper_column {
 typedef struct bb_paper_table {
     const char *title; /* "": more rows of the table before; NULL: the last */
     const bb_paper_column *columns;
-    const bb_figure *figure; /* of columns that have none */
-    const bb_entrant *rows;  /* with scenes: for each of them; NULL: none */
-    bool by_scene;           /* a row for each scene of experiment `of` */
+    const bb_figure *figure;      /* of columns that have none */
+    const bb_paper_entrant *rows; /* with scenes: for each of them; NULL: none */
+    bool by_scene;                /* a row for each scene of experiment `of` */
     int of;
     int views;                      /* and for so many views of it */
     bool rows_first;                /* all scenes of a row, then of the next */

@@ -23,11 +23,11 @@ enum { VIEWS = 3 };
 
 /* LLBVH by the size that a box's level is taken from. */
 enum { OTHER_SIDES = 7 << 1, EVEN = 1 << 5 };
-extern const bb_entrant bb_box_sizes[];
+extern const bb_paper_entrant bb_box_sizes[];
 
 /* By the view that orders their children. */
 enum { BINARY_BY_STACK = 1 << 0 | 1 << 2, LOBVH_STACKLESS = 1 << 5 };
-extern const bb_entrant bb_view_ordered[];
+extern const bb_paper_entrant bb_view_ordered[];
 extern const bb_figure bb_order_factor;
 
 extern const bb_paper_claim bb_loose_octree_claims[];

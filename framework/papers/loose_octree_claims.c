@@ -42,7 +42,7 @@ static const bb_figure unordered_boxes = {.what = "node_tests_per_ray", .builder
 /* ---- claims ---- */
 
 #define PAIR(builder_, kernel_, base_, base_kernel_)                                               \
-    (const bb_entrant[])                                                                           \
+    (const bb_paper_entrant[])                                                                     \
     {                                                                                              \
         {.name = "",                                                                               \
          .builder = builder_,                                                                      \
@@ -181,7 +181,7 @@ static void count_apart(bb_paper_place at, bb_said *said)
     uint32_t apart = 0, count = 0;
     for (int i = 0; i <= 2; i += 2) {
         at.row = &bb_view_ordered[i];
-        const bb_series s = bb_figure_series(at, &bb_order_factor);
+        const bb_paper_series s = bb_figure_series(at, &bb_order_factor);
         for (size_t k = 0; k < s.count; k++) {
             count += !isnan(s.each[k].value);
             apart += bb_verdict_at(s.each[k], s.timed, BB_WITHIN, 0.95, 1.05) == BB_NOT_HELD;

@@ -37,7 +37,7 @@
     }
 
 /* Two rounds of ATRBVH, as Domingues and Pedrini have it, whose settings the paper takes over. */
-const bb_entrant bb_emc_methods[EMC_METHODS + 1] = {
+const bb_paper_entrant bb_emc_methods[EMC_METHODS + 1] = {
     [EMC_LBVH] = METHOD("LBVH", "emc:code=$", MEANS(.80, 1.20)),
     [EMC_HLBVH] = METHOD("HLBVH", "hlbvh:code=$", MEANS(.84, 1.11)),
     [EMC_AAC_HQ] = METHOD("AAC-HQ", "aac:code=$,variant=hq", MEANS(.89, 1.03)),
@@ -50,7 +50,7 @@ const bb_entrant bb_emc_methods[EMC_METHODS + 1] = {
     {.name = NULL},
 };
 
-const bb_entrant bb_emc_radii[] = {
+const bb_paper_entrant bb_emc_radii[] = {
     {.name = "16", .builder = EMC_PLOC_CENTRED ",radius=16"},
     {.name = "32", .builder = EMC_PLOC_CENTRED ",radius=32"},
     {.name = NULL},
@@ -60,7 +60,7 @@ const bb_entrant bb_emc_radii[] = {
     {                                                                                              \
         .name = builder_, .builder = builder_, .base = base_                                       \
     }
-const bb_entrant bb_emc_equals[EMC_EQUALS + 1] = {
+const bb_paper_entrant bb_emc_equals[EMC_EQUALS + 1] = {
     EQUAL(EMC_SORT64, EMC_MC64),
     EQUAL(EMC_VAR64, EMC_MC64),
     [EMC_EQUAL_CELL64] = EQUAL(EMC_CELL64, EMC_MC64),

@@ -32,13 +32,13 @@
         .name = builder_, .builder = builder_, .kernel = STACKLESS, .optional = true               \
     }
 
-static const bb_entrant rivals[] = {
+static const bb_paper_entrant rivals[] = {
     BOTH_KERNELS(LBVH30),     BOTH_KERNELS(LLBVH30),    BOTH_KERNELS(LOBVH("6")),
     BOTH_KERNELS(LOBVH("7")), BOTH_KERNELS(LOBVH("8")), BOTH_KERNELS(LOBVH("auto")),
     {.name = NULL},
 };
 
-const bb_entrant bb_box_sizes[] = {
+const bb_paper_entrant bb_box_sizes[] = {
     ENTRANT("smallest side", SMALLEST, STACK),
     ENTRANT("largest side", LLBVH30 ",side=largest", STACK),
     ENTRANT("mean side", LLBVH30 ",side=mean", STACK),
@@ -48,7 +48,7 @@ const bb_entrant bb_box_sizes[] = {
     {.name = NULL},
 };
 /* '$' is the order. */
-const bb_entrant bb_view_ordered[] = {
+const bb_paper_entrant bb_view_ordered[] = {
     ENTRANT(LBVH30, LBVH30 "$", STACK),
     ENTRANT(LBVH30, LBVH30 "$", STACKLESS),
     ENTRANT(LLBVH30, LLBVH30 "$", STACK),

@@ -233,7 +233,7 @@ static const bb_paper_column task_columns[] = {
         .name = builder_, .builder = builder_, .kernel = search, .rays = task, .note = note_,      \
         .optional = true                                                                           \
     }
-static const bb_entrant trees[] = {
+static const bb_paper_entrant trees[] = {
     WAY(LBVH, "skip", RENDERING, NULL),
     WAY(ALPHA0, "octree", RENDERING, NULL),
     WAY(ALPHA1, "octree", RENDERING, NULL),
@@ -251,9 +251,10 @@ static const bb_entrant trees[] = {
             .name = NULL                                                                           \
         }                                                                                          \
     }
-static const bb_entrant rendering[] = WAYS(RENDERING, "2 to 13", "above LBVH's", "");
-static const bb_entrant slicing[] = WAYS(SLICE, "3 to 25", "3 to 25", "");
-static const bb_entrant overlapping[] = WAYS(OVERLAP, "5 to 52", "significant", "significant");
+static const bb_paper_entrant rendering[] = WAYS(RENDERING, "2 to 13", "above LBVH's", "");
+static const bb_paper_entrant slicing[] = WAYS(SLICE, "3 to 25", "3 to 25", "");
+static const bb_paper_entrant overlapping[] =
+    WAYS(OVERLAP, "5 to 52", "significant", "significant");
 
 static const bb_figure answer_ms = {.what = "answer_ms"};
 #define OF_TASK(rows_) .columns = task_columns, .rows = rows_, .by_scene = true, .needs = &answer_ms
@@ -284,7 +285,7 @@ static const bb_paper_table tables[] = {
     .tests = {{.over = BB_MOST_OF, .side = BB_ABOVE, .bound = bound_}},                            \
     .ours = {{.each = true, .text = "{scene}: {0}"}}
 
-static const bb_entrant larger_alphas[] = {
+static const bb_paper_entrant larger_alphas[] = {
     {.name = "1", .builder = ALPHA1}, {.name = "2", .builder = ALPHA2}, {.name = NULL}};
 static const bb_figure larger_build = OVER("build_ms", NULL, LBVH);
 

@@ -174,7 +174,7 @@ static const bb_paper_column frames[] = {
     {                                                                                              \
         .name = name_, .builder = builder_, .kernel = name_                                        \
     }
-static const bb_entrant ways[] = {
+static const bb_paper_entrant ways[] = {
     WAY(BB_NO_TREE, BB_NO_TREE),
     WAY("stack", VOLUME_BUILDER),
     WAY("stack8", VOLUME_BUILDER),

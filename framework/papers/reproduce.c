@@ -88,7 +88,7 @@ static bool is_there(const names *n, const char *name)
 /* Each builder of the rows with each of the fills for its '$'. */
 static bb_status add_entrants(const bb_experiment *e, names *n)
 {
-    for (const bb_entrant *row = e->entrants; row != NULL && row->name != NULL; row++) {
+    for (const bb_paper_entrant *row = e->entrants; row != NULL && row->name != NULL; row++) {
         const char *fill = e->fills != NULL ? e->fills : "", *pattern = row->builder;
         const int before = (int)strcspn(pattern, "$");
         do {

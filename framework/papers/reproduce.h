@@ -18,9 +18,9 @@ enum { BB_EXPERIMENTS_MAX = 8 }; /* of a paper */
 typedef struct bb_experiment {
     const char *name;
     const char *builders;
-    const bb_entrant *entrants; /* more builders; NULL: none */
-    const char *fills;          /* each of them with these, by spaces, for its '$' */
-    const char *kernels;        /* "" with rays "": builds only */
+    const bb_paper_entrant *entrants; /* more builders; NULL: none */
+    const char *fills;                /* each of them with these, by spaces, for its '$' */
+    const char *kernels;              /* "" with rays "": builds only */
     const char *rays;
     /* '#' in a name stands for a number of primitives: 10^4, 3*10^4, ... up to what is asked for */
     const char *scenes;

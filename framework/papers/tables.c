@@ -37,7 +37,7 @@ static void put_figure(const filling *t, const bb_paper_column *column, bb_paper
 
 static void put_range(const filling *t, const bb_paper_column *column, bb_paper_place at)
 {
-    const bb_series s = bb_figure_series(at, figure_of(t, column));
+    const bb_paper_series s = bb_figure_series(at, figure_of(t, column));
     bb_paper_number(t->out,
                     column->shown == BB_SHOW_LEAST ? bb_series_least(&s) : bb_series_most(&s),
                     column->decimals);

@@ -43,7 +43,7 @@ bool bb_say_missing(const char *builder, bb_words *words)
 /* ---- figures of all scenes ---- */
 
 /* The first scene with this figure. */
-static const char *scene_with(const bb_series *s, double value)
+static const char *scene_with(const bb_paper_series *s, double value)
 {
     for (size_t i = 0; i < s->count; i++)
         if (s->each[i].value == value)
@@ -51,7 +51,7 @@ static const char *scene_with(const bb_series *s, double value)
     return "none";
 }
 
-static void say_range(bb_words *words, const bb_series *s)
+static void say_range(bb_words *words, const bb_paper_series *s)
 {
     const double low = bb_series_least(s), high = bb_series_most(s);
     if (isnan(low))
@@ -61,7 +61,7 @@ static void say_range(bb_words *words, const bb_series *s)
                scene_with(s, low), high, scene_with(s, high));
 }
 
-static void say_count(bb_words *words, const bb_series *s, char kind, double bound)
+static void say_count(bb_words *words, const bb_paper_series *s, char kind, double bound)
 {
     unsigned count = 0;
     for (size_t i = 0; i < s->count; i++)
@@ -71,7 +71,7 @@ static void say_count(bb_words *words, const bb_series *s, char kind, double bou
     bb_say(words, "%u", count);
 }
 
-static void say_spread(bb_words *words, const bb_series *s)
+static void say_spread(bb_words *words, const bb_paper_series *s)
 {
     const double low = bb_series_least(s), high = bb_series_most(s);
     bb_say_estimate(words, s->mean);
@@ -79,7 +79,7 @@ static void say_spread(bb_words *words, const bb_series *s)
         bb_say(words, " on average, %.2f to %.2f", low, high);
 }
 
-static void say_series(bb_words *words, const bb_series *s, char kind, const char *rest)
+static void say_series(bb_words *words, const bb_paper_series *s, char kind, const char *rest)
 {
     const double low = bb_series_least(s), high = bb_series_most(s);
     if (kind == '~')
@@ -100,7 +100,7 @@ static void say_figure(bb_words *words, const char *format, bb_paper_place at,
     bool timed;
     if (format[0] != '\0' && strchr("~!/#<>", format[0]) != NULL) {
         at.scene = NULL;
-        const bb_series s = bb_figure_series(at, figure);
+        const bb_paper_series s = bb_figure_series(at, figure);
         say_series(words, &s, format[0], format + 1);
     } else if (format[0] == '=') {
         char builder[256], chosen[32];
