@@ -202,15 +202,14 @@ function(bvhbench_embed_report target)
     set(report_history_js ${shown}/dom.js history.js)
     set(atlas_html atlas.html) # another
     set(atlas_js ${shown}/dom.js atlas.js)
-    set(contest_html contest.html) # and another
-    set(contest_js ${shown}/dom.js contest.js)
+    set(animate_html animate.html) # and another
     set(animate_js ${shown}/dom.js animate.js)
     set(style_css ${shown}/style.css)
     set(page_html ${shown}/page.html) # of framework/show
     set(page_js dom.js figure.js grid.js plot.js blocks.js)
     list(TRANSFORM page_js PREPEND ${shown}/)
     foreach(part style_css page_html page_js report_html report_js report_history_html report_history_js atlas_html
-                 atlas_js contest_html contest_js animate_js)
+                 atlas_js animate_html animate_js)
         list(TRANSFORM ${part} PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/framework/report/page/)
         set(output ${CMAKE_CURRENT_BINARY_DIR}/generated/embedded_${part}.c)
         bvhbench_incbin(${output} bb_text_${part} ${${part}})

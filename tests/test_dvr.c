@@ -1,77 +1,96 @@
 /* `bvhbench volume` from outside: what it measures, writes and refuses. */
-#include "tests/program_fixture.h"
+#include "tests/table_fixture.h"
 
-static cJSON *read_json(const char *name)
+/* As `volume --json` printed it. */
+static bb_table *printed_table(const outcome *o)
 {
-    static char text[1 << 20];
-    read_file(name, text, sizeof text);
-    cJSON *root = cJSON_Parse(text);
-    assert_non_null(root);
-    return root;
+    bb_table *table;
+    assert_int_equal(o->exit_status, 0);
+    ASSERT_OK(bb_table_parse(o->out, "printed", &table));
+    return table;
 }
 
-static double number(const cJSON *object, const char *name)
+/* Rows, by their names. */
+static bb_cell scene_cell(const char *scene)
 {
-    const cJSON *item = cJSON_GetObjectItem(object, name);
-    if (!cJSON_IsNumber(item))
-        fail_msg("there is no number '%s'", name);
-    return item->valuedouble;
+    return (bb_cell){{[BB_SCENE] = scene}};
 }
 
-static double median(const cJSON *way, const char *name)
+static bb_cell question_cell(const char *scene, const char *question)
 {
-    return number(cJSON_GetObjectItem(way, name), "median");
+    return (bb_cell){{[BB_SCENE] = scene, [BB_QUESTION] = question}};
 }
 
-static const char *text(const cJSON *object, const char *name)
+static bb_cell way_cell(const char *scene, const char *builder, const char *kernel)
 {
-    const char *value = cJSON_GetStringValue(cJSON_GetObjectItem(object, name));
-    return value != NULL ? value : "";
+    return (bb_cell){{[BB_SCENE] = scene, [BB_BUILDER] = builder, [BB_INTERSECTOR] = kernel}};
 }
 
-static void expect_phases(const cJSON *way, const char *const *names)
+static const char *text(const bb_table *table, bb_cell cell, const char *column)
 {
-    const cJSON *phases = cJSON_GetObjectItem(way, "phases_ms");
-    for (; *names != NULL; names++)
-        assert_true(median(phases, *names) >= 0);
+    const uint32_t row = bb_table_find(table, cell);
+    assert_int_not_equal(row, BB_NO_ROW);
+    return bb_table_get_text(table, row, column);
 }
 
-/* All ways were measured and give the picture that there is without a tree. */
-static void expect_ways(const cJSON *result, int ways)
+static void expect_phases(const bb_table *table, const char *scene)
 {
-    static const char *const phases[] = {"vote", "compact", "codes", "boxes", "sort", "link", NULL};
-    const cJSON *list = cJSON_GetObjectItem(result, "ways"), *way;
-    assert_int_equal(cJSON_GetArraySize(list), ways);
-    double all = number(cJSON_GetArrayItem(list, 0), "samples_per_ray");
-    assert_true(cJSON_IsNull(cJSON_GetObjectItem(cJSON_GetArrayItem(list, 0), "builder")));
-    cJSON_ArrayForEach(way, list)
-    {
-        assert_null(cJSON_GetObjectItem(way, "refused"));
-        assert_true(median(way, "picture_ms") >= 0);
-        if (way == list->child)
-            continue;
-        assert_true(number(way, "largest_difference") == 0);
-        assert_true(number(way, "pixels_that_differ") == 0);
-        assert_true(number(way, "samples_per_ray") <= all);
-        assert_true(median(way, "build_ms") > 0);
-        assert_true(number(cJSON_GetObjectItem(way, "all_ratio"), "median") >=
-                    number(cJSON_GetObjectItem(way, "picture_ratio"), "median"));
-        if (strcmp(text(way, "builder"), "vlbvh") == 0)
-            expect_phases(way, phases);
+    static const char *const phases[] = {"vote", "compact", "codes", "boxes", "sort", "link"};
+    for (size_t i = 0; i < sizeof phases / sizeof phases[0]; i++) {
+        const bb_cell cell = {{[BB_SCENE] = scene, [BB_BUILDER] = "vlbvh", [BB_MAKER] = phases[i]}};
+        assert_true(number(table, cell, "phase_ms") >= 0);
     }
 }
 
-/* Errors fall with the step; each step takes more samples than the longer one. */
-static void expect_accuracy(const cJSON *result, int steps)
+/* All ways were measured and give the picture that there is without a tree. */
+static void expect_ways(const bb_table *table, const char *scene, int ways)
 {
-    const cJSON *list = cJSON_GetObjectItem(result, "accuracy");
-    assert_int_equal(cJSON_GetArraySize(list), steps);
-    const cJSON *first = cJSON_GetArrayItem(list, 0), *last = cJSON_GetArrayItem(list, steps - 1);
-    assert_true(number(first, "rms") > number(last, "rms") && number(last, "rms") > 0);
-    assert_true(number(first, "most") > number(last, "most"));
-    assert_true(number(first, "samples_per_ray") < number(last, "samples_per_ray"));
-    assert_true(number(result, "converged_to") < number(last, "most"));
+    const double all = number(table, way_cell(scene, NULL, "no tree"), "tests_per_item");
+    int found = 0;
+    for (uint32_t row = 0; row < bb_table_row_count(table); row++) {
+        const char *builder = bb_table_name(table, row, BB_BUILDER);
+        const bb_cell way = way_cell(scene, builder, bb_table_name(table, row, BB_INTERSECTOR));
+        if (way.names[BB_INTERSECTOR][0] == '\0' || bb_table_find(table, way) != row)
+            continue;
+        found++;
+        assert_string_equal(bb_table_get_text(table, row, "refused"), "");
+        assert_true(number(table, way, "answer_ms") >= 0);
+        assert_true(number(table, way, "msamples_per_s") > 0);
+        assert_true(number(table, way, "differ") == 0);
+        if (builder[0] == '\0')
+            continue;
+        assert_true(number(table, way, "largest_difference") == 0);
+        assert_true(number(table, way, "largest_difference_8_bits") == 0);
+        assert_true(number(table, way, "tests_per_item") <= all);
+        assert_true(number(table, way, "build_ms") > 0);
+        assert_true(number(table, way, "layout_ms") >= 0);
+    }
+    assert_int_equal(found, ways);
+    expect_phases(table, scene);
+    assert_true(number(table, scene_cell(scene), "copy_ms") >= 0);
+    assert_true(number(table, scene_cell(scene), "volume_bytes") > 0);
 }
+
+/* Errors fall with the step; each step takes more samples than the longer one. */
+static void expect_accuracy(const bb_table *table, const char *scene)
+{
+    const bb_cell steps[] = {question_cell(scene, "step 2"), question_cell(scene, "step 1"),
+                             question_cell(scene, "step 0.5")};
+    const double most = number(table, steps[2], "largest_error");
+    assert_true(number(table, steps[0], "rms_error") > number(table, steps[2], "rms_error"));
+    assert_true(number(table, steps[2], "rms_error") > 0);
+    assert_true(number(table, steps[0], "largest_error") > most);
+    assert_true(number(table, scene_cell(scene), "converged_to") < most);
+    for (int i = 0; i < 3; i++) {
+        assert_true(number(table, steps[i], "step") == 2.0 / (1 << i));
+        assert_true(number(table, steps[i], "picture_ms") >= 0);
+        assert_true(i == 0 || number(table, steps[i - 1], "samples_per_ray") <
+                                  number(table, steps[i], "samples_per_ray"));
+    }
+}
+
+#define BONE "nbody:n=40, transfer function bone"
+#define FULL "nbody:n=40, transfer function full"
 
 static void volumes_are_compared(void **state)
 {
@@ -83,39 +102,62 @@ static void volumes_are_compared(void **state)
         fail_msg("exit %d: %s%s", o->exit_status, o->out, o->err);
     assert_non_null(strstr(o->out, "nbody:n=40, transfer function bone"));
     assert_non_null(strstr(o->out, "transfer function full"));
-    cJSON *root = read_json("made/volume.json");
-    assert_string_equal(text(root, "schema"), "bvhbench-volume/1");
-    const cJSON *results = cJSON_GetObjectItem(root, "results"), *result;
-    assert_int_equal(cJSON_GetArraySize(results), 2);
-    cJSON_ArrayForEach(result, results)
-    {
-        expect_ways(result, 5);
-        expect_accuracy(result, 3);
-        assert_true(number(result, "pixels") == 3 * 24 * 20);
+    assert_non_null(strstr(o->out, "Phases of builds"));
+    bb_table *table = read_table("made/volume.json");
+    static const char *const scenes[] = {BONE, FULL};
+    for (int s = 0; s < 2; s++) {
+        expect_ways(table, scenes[s], 5);
+        expect_accuracy(table, scenes[s]);
+        assert_true(number(table, scene_cell(scenes[s]), "pixels") == 3 * 24 * 20);
+        assert_true(number(table, scene_cell(scenes[s]), "rounds") == 6);
+        assert_string_equal(text(table, scene_cell(scenes[s]), "voxels"), "40 x 40 x 40");
     }
-    assert_true(number(cJSON_GetArrayItem(results, 1), "bricks_seen") ==
-                number(cJSON_GetArrayItem(results, 1), "bricks"));
-    cJSON_Delete(root);
+    assert_true(number(table, scene_cell(FULL), "bricks_seen") ==
+                number(table, scene_cell(FULL), "bricks"));
+    assert_true(number(table, scene_cell(FULL), "bricks_seen_percent") == 100);
+    assert_true(bb_table_get_number(table, 0, "step") == 0.5);
+    assert_true(bb_table_get_number(table, 0, "cutoff") == 0);
+    assert_string_equal(text(table, question_cell(BONE, "front"), "picture"),
+                        "volume-1-bone-front.png");
+    bb_table_free(table);
     static char png[1 << 16];
     assert_true(read_file("made/volume-1-bone-front.png", png, sizeof png) > 100);
     assert_true(read_file("made/volume-2-full-inside.png", png, sizeof png) > 100);
+    expect(0, "report made/volume.json --table", "Accuracy");
+    expect(0, "report made/volume.json --markdown", "## " FULL);
+    expect(0, "report made/volume.json --csv", BONE);
+    expect(0, "compare made/volume.json made/volume.json", "nothing is worse");
+}
+
+/* Ways and accuracy alone. */
+static void less_is_printed_briefly(void **state)
+{
+    (void)state;
+    const outcome *o = run("volume --scene nbody:n=34 --builder vlbvh --kernel stack --size 12x12 "
+                           "--steps 2,1 --repeats 1 --brief");
+    assert_int_equal(o->exit_status, 0);
+    assert_non_null(strstr(o->out, "Ways\n"));
+    assert_non_null(strstr(o->out, "Accuracy\n"));
+    assert_null(strstr(o->out, "Phases of builds"));
+    assert_null(strstr(o->out, "Trees\n"));
+    assert_null(strstr(o->out, "medians"));
 }
 
 /* No tree and a blank picture; and back again. */
 static void nothing_is_seen_of_an_empty_volume(void **state)
 {
     (void)state;
-    const outcome *o = run("volume --scene nbody:n=40,transfer=empty --builder vlbvh,lbvh --kernel "
-                           "stack --size 16x16 --steps none --repeats 1 --json");
-    assert_int_equal(o->exit_status, 0);
-    cJSON *root = cJSON_Parse(o->out);
-    const cJSON *result = cJSON_GetArrayItem(cJSON_GetObjectItem(root, "results"), 0);
-    const cJSON *ways = cJSON_GetObjectItem(result, "ways");
-    assert_true(number(result, "bricks_seen") == 0);
-    const cJSON *vlbvh = cJSON_GetArrayItem(ways, 1), *lbvh = cJSON_GetArrayItem(ways, 2);
-    assert_true(number(vlbvh, "nodes") == 0 && number(vlbvh, "pixels_that_differ") == 0);
-    assert_non_null(strstr(text(lbvh, "refused"), "nothing to build over"));
-    cJSON_Delete(root);
+    const char *scene = "nbody:n=40,transfer=empty, transfer function empty";
+    bb_table *table =
+        printed_table(run("volume --scene nbody:n=40,transfer=empty --builder vlbvh,lbvh --kernel "
+                          "stack --size 16x16 --steps none --repeats 1 --json"));
+    assert_true(number(table, scene_cell(scene), "bricks_seen") == 0);
+    const bb_cell vlbvh = way_cell(scene, "vlbvh", "stack");
+    assert_true(number(table, vlbvh, "differ") == 0);
+    assert_int_equal(bb_table_find(table, way_cell(scene, "vlbvh", NULL)), BB_NO_ROW); /* no tree */
+    assert_non_null(
+        strstr(text(table, way_cell(scene, "lbvh", "stack"), "refused"), "nothing to build over"));
+    bb_table_free(table);
 }
 
 /* Of a mesh all ways give the picture of the first; only trees with cells are searched by these. */
@@ -127,29 +169,33 @@ static void meshes_are_compared(void **state)
             "skip,octree,octree:boundary=no --size 24x20 --steps 2,1,0.5 --repeats 6 --out mesh");
     if (o->exit_status != 0)
         fail_msg("exit %d: %s%s", o->exit_status, o->out, o->err);
-    assert_non_null(strstr(o->out, "field 'made'"));
-    cJSON *root = read_json("mesh/volume.json");
-    const cJSON *result = cJSON_GetArrayItem(cJSON_GetObjectItem(root, "results"), 0);
-    const cJSON *ways = cJSON_GetObjectItem(result, "ways");
-    assert_int_equal(cJSON_GetArraySize(ways), 6);
-    assert_string_equal(text(result, "field"), "made");
-    assert_true(number(result, "boundary_tetrahedra") > 100 && number(result, "tetrahedra") > 300);
-    double samples = number(cJSON_GetArrayItem(ways, 0), "samples_per_ray");
+    assert_non_null(strstr(o->out, "field made"));
+    static const char scene[] = "tets:side=6,shape=shell, transfer function ramp";
+    static const char *const builders[] = {"lbvh", "olbvh"};
+    static const char *const searches[] = {"skip", "octree", "octree:boundary=no"};
+    bb_table *table = read_table("mesh/volume.json");
+    const bb_cell mesh = scene_cell(scene);
+    assert_string_equal(text(table, mesh, "field"), "made");
+    assert_true(number(table, mesh, "boundary_tetrahedra") > 100 &&
+                number(table, mesh, "tetrahedra") > 300 && number(table, mesh, "vertices") > 100);
+    const double samples = number(table, way_cell(scene, "lbvh", "skip"), "tests_per_item");
     assert_true(samples > 1);
     for (int w = 0; w < 6; w++) {
-        const cJSON *way = cJSON_GetArrayItem(ways, w);
+        const bb_cell way = way_cell(scene, builders[w / 3], searches[w % 3]);
+        const bb_cell tree = way_cell(scene, builders[w / 3], NULL);
         if (w == 1 || w == 2) {
-            assert_non_null(strstr(text(way, "refused"), "'cells'"));
+            assert_non_null(strstr(text(table, way, "refused"), "'cells'"));
             continue;
         }
-        assert_true(number(way, "largest_difference") == 0);
-        assert_true(number(way, "pixels_that_differ") == 0);
-        assert_true(number(way, "samples_per_ray") == samples);
-        assert_true(median(way, "build_ms") > 0 && median(way, "picture_ms") > 0);
-        assert_true(number(way, "tree_bytes") > 0 && number(way, "references") > 300);
+        assert_true(number(table, way, "largest_difference") == 0);
+        assert_true(number(table, way, "differ") == 0);
+        assert_true(number(table, way, "tests_per_item") == samples);
+        assert_true(number(table, way, "build_ms") > 0 && number(table, way, "answer_ms") > 0);
+        assert_true(number(table, tree, "tree_bytes") > 0 &&
+                    number(table, tree, "references") > 300);
     }
-    expect_accuracy(result, 3);
-    cJSON_Delete(root);
+    expect_accuracy(table, scene);
+    bb_table_free(table);
     static char png[1 << 16];
     assert_true(read_file("mesh/volume-1-ramp-above.png", png, sizeof png) > 100);
 }
@@ -166,11 +212,18 @@ static void ways_that_cannot_say_so(void **state)
             "32x32 --steps none --repeats 1 --json");
     assert_int_equal(o->exit_status, 0);
     assert_non_null(strstr(o->out, "its stack was too small for"));
-    cJSON *root = cJSON_Parse(o->out);
-    const cJSON *result = cJSON_GetArrayItem(cJSON_GetObjectItem(root, "results"), 0);
-    const cJSON *ways = cJSON_GetObjectItem(result, "ways");
-    assert_true(median(cJSON_GetArrayItem(ways, 2), "picture_ms") > 0);
-    cJSON_Delete(root);
+    bb_table *table = printed_table(o);
+    const char *scene = bb_table_name(table, 1, BB_SCENE);
+    assert_true(number(table, way_cell(scene, "vlbvh", "stack"), "answer_ms") > 0);
+    bb_table_free(table);
+}
+
+static uint32_t scene_count(const bb_table *table)
+{
+    uint32_t count = 0;
+    for (uint32_t row = 0; row < bb_table_row_count(table); row++)
+        count += !isnan(bb_table_get_number(table, row, "pictures"));
+    return count;
 }
 
 /* What fails later leaves what was measured before. */
@@ -181,9 +234,9 @@ static void what_was_measured_is_kept(void **state)
                            "--size 12x12 --steps none --repeats 1 --out kept");
     assert_int_equal(o->exit_status, 2);
     assert_non_null(strstr(o->err, "cube: is neither a volume nor a mesh"));
-    cJSON *root = read_json("kept/volume.json");
-    assert_int_equal(cJSON_GetArraySize(cJSON_GetObjectItem(root, "results")), 1);
-    cJSON_Delete(root);
+    bb_table *table = read_table("kept/volume.json");
+    assert_int_equal(scene_count(table), 1);
+    bb_table_free(table);
 }
 
 /* A path as a generator's parameter, and a file that is called as a generator is. */
@@ -201,14 +254,14 @@ static void names_and_paths_are_told_apart(void **state)
 static void the_paper_turns_the_volume(void **state)
 {
     (void)state;
-    const outcome *o = run("volume --scene nbody:n=34 --turns 3 --builder vlbvh --kernel stack8 "
-                           "--size 12x12 --steps none --repeats 1 --cutoff 0.02 --json");
-    assert_int_equal(o->exit_status, 0);
-    cJSON *root = cJSON_Parse(o->out);
-    const cJSON *result = cJSON_GetArrayItem(cJSON_GetObjectItem(root, "results"), 0);
-    assert_true(number(result, "pictures") == 9);
-    expect_ways(result, 2);
-    cJSON_Delete(root);
+    bb_table *table =
+        printed_table(run("volume --scene nbody:n=34 --turns 3 --builder vlbvh --kernel stack8 "
+                          "--size 12x12 --steps none --repeats 1 --cutoff 0.02 --json"));
+    const char *scene = bb_table_name(table, 1, BB_SCENE);
+    assert_true(number(table, scene_cell(scene), "pictures") == 9);
+    assert_true(bb_table_get_number(table, 0, "cutoff") == 0.02);
+    expect_ways(table, scene, 2);
+    bb_table_free(table);
 }
 
 static void what_makes_no_sense_is_refused(void **state)
@@ -239,6 +292,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(volumes_are_compared),
+        cmocka_unit_test(less_is_printed_briefly),
         cmocka_unit_test(nothing_is_seen_of_an_empty_volume),
         cmocka_unit_test(meshes_are_compared),
         cmocka_unit_test(ways_that_cannot_say_so),

@@ -1,27 +1,7 @@
 /* `bvhbench slice` and `bvhbench overlap` from outside: what they measure, write and refuse. */
 #include "framework/base/memory.h"
 #include "framework/picture/exr.h"
-#include "framework/table/table.h"
-#include "tests/program_fixture.h"
-
-#include <math.h>
-
-static bb_table *read_table(const char *name)
-{
-    char path[512];
-    bb_table *table;
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    ASSERT_OK(bb_table_read(path, &table));
-    return table;
-}
-
-static double number(const bb_table *table, bb_cell cell, const char *column)
-{
-    const uint32_t row = bb_table_find(table, cell);
-    if (row == BB_NO_ROW || isnan(bb_table_get_number(table, row, column)))
-        fail_msg("there is no number '%s'", column);
-    return bb_table_get_number(table, row, column);
-}
+#include "tests/table_fixture.h"
 
 /* Four ways of lbvh and olbvh by skip and octree after one without a tree; lbvh has no cells. */
 static void expect_ways(const bb_table *table, const char *scene, uint32_t rounds)
@@ -57,7 +37,11 @@ static void expect_ways(const bb_table *table, const char *scene, uint32_t round
             {[BB_SCENE] = scene, [BB_BUILDER] = ways[w][0], [BB_MAKER] = "codes"}};
         assert_true(number(table, phase, "phase_ms") > 0);
     }
-    assert_string_not_equal(bb_table_get_text(table, 0, "device"), "");
+    static const char *const of_run[] = {"date", "host", "device", "driver", "command"};
+    for (size_t i = 0; i < sizeof of_run / sizeof of_run[0]; i++)
+        assert_string_not_equal(bb_table_get_text(table, 0, of_run[i]), "");
+    assert_true(bb_table_get_number(table, bb_table_find(table, (bb_cell){{[BB_SCENE] = scene}}),
+                                    "rounds") == rounds);
     assert_string_equal(bb_table_get_text(table, 0, "seed"), "1");
 }
 

@@ -105,7 +105,11 @@ static bb_status write_strip(const job *j, const bb_animate_result *result, cJSO
     snprintf(name, sizeof name, "animate-%d.png", cJSON_GetArraySize(j->results) + 1);
     BB_TRY(bb_join_path(path, j->choice.out, name));
     BB_TRY(bb_image_write(path, result->strip.rgb, result->strip.width, result->strip.height));
-    return bb_contest_add_file(files, path);
+    cJSON *file = cJSON_CreateString(name);
+    if (file != NULL && cJSON_AddItemToArray(files, file))
+        return BB_OK;
+    cJSON_Delete(file);
+    return bb_fail(BB_REFUSED, "no memory for the results");
 }
 
 static bb_status add_result(job *j)

@@ -107,7 +107,8 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
     job *j = values;
     if (cli->positional_count != 2)
         return bb_fail(BB_INVALID, "overlap takes two meshes: see `bvhbench overlap --help`");
-    j->output = (bb_contest_output){.outline = &bb_overlap_outline, .choice = &j->choice};
+    j->output = (bb_contest_output){
+        .outline = &bb_overlap_outline, .choice = &j->choice, .command_line = cli->command_line};
     bb_status status = work(j, cli->positional);
     return bb_contest_end(status, j->wrong, exit_status);
 }

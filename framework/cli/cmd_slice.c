@@ -101,9 +101,9 @@ static bb_status work(job *j)
 
 static bb_status run(const bb_cli *cli, void *values, int *exit_status)
 {
-    (void)cli;
     job *j = values;
-    j->output = (bb_contest_output){.outline = &bb_slice_outline, .choice = &j->choice};
+    j->output = (bb_contest_output){
+        .outline = &bb_slice_outline, .choice = &j->choice, .command_line = cli->command_line};
     bb_status status = work(j);
     return bb_contest_end(status, j->wrong, exit_status);
 }

@@ -1,12 +1,10 @@
 /* bvhbench volume: pictures of volumes, with trees and without. */
 #include "framework/base/interrupt.h"
 #include "framework/base/number.h"
-#include "framework/cli/contest_options.h"
+#include "framework/cli/contest_output.h"
 #include "framework/cli/inputs.h"
 #include "framework/device/device_private.h"
 #include "framework/dvr/dvr.h"
-#include "framework/record/put.h"
-#include "framework/report/report.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -19,7 +17,7 @@ typedef struct job {
     uint32_t width, height, turns; /* 0: by the kind of scene */
     bool paper, brief;
     bb_dvr_result result;
-    cJSON *results; /* of the document */
+    bb_contest_output output;
     bool wrong;
     uint32_t pictures; /* sets of them, so far */
 } job;
@@ -123,26 +121,19 @@ static void choose_pictures(job *j, bool mesh)
 
 static bb_status compare(job *j, bb_scene *scene)
 {
-    char folder[PATH_MAX], path[PATH_MAX];
+    char name[96], path[PATH_MAX];
     const char *out = j->choice.out;
-    j->pictures++;
+    bb_dvr_result *result = &j->result;
+    snprintf(name, sizeof name, "volume-%u-%s", ++j->pictures,
+             scene->volume != NULL ? scene->volume->transfer.name : j->request.transfer->name);
     if (out != NULL) {
-        snprintf(folder, sizeof folder, "volume-%u-%s", j->pictures,
-                 scene->volume != NULL ? scene->volume->transfer.name : j->request.transfer->name);
-        BB_TRY(bb_join_path(path, out, folder));
+        BB_TRY(bb_join_path(path, out, name));
         j->request.pictures = path;
     }
-    j->request.picture_files = cJSON_CreateArray();
-    bb_status status = bb_dvr_run(&j->request, scene, &j->result);
-    if (status != BB_OK) {
-        cJSON_Delete(j->request.picture_files);
-        return status;
-    }
-    for (uint32_t w = 0; w < j->result.way_count; w++)
-        j->wrong = j->wrong || j->result.ways[w].differ > 0;
-    if (bb_contest_prints(&j->choice, j->request.device, j->results))
-        (j->brief ? bb_dvr_print_briefly : bb_dvr_print)(&j->result);
-    return bb_contest_add(j->results, bb_dvr_json(&j->result), j->request.picture_files);
+    BB_TRY(bb_dvr_run(&j->request, scene, result));
+    bb_contest_output_name(&j->output, result->scene, sizeof result->scene);
+    bb_dvr_fill(&j->request, result, out != NULL ? name : NULL, j->output.table);
+    return bb_contest_output_scene(&j->output);
 }
 
 /* One transfer function after the other, of those given. */
@@ -200,22 +191,10 @@ static bb_status check_transfers(const bb_names *names)
 
 static bb_status compare_all(job *j)
 {
-    cJSON *document;
-    if (!bb_contest_document("bvhbench-volume/1", j->request.device, &document, &j->results) ||
-        !bb_put_number(document, "step", j->request.step) ||
-        !bb_put_number(document, "cutoff", j->request.cutoff)) {
-        cJSON_Delete(document);
-        return bb_fail(BB_REFUSED, "no memory for the results");
-    }
-    bb_status status = BB_OK;
-    for (size_t i = 0; i < j->scenes.count && status == BB_OK && !bb_interrupted(); i++)
-        status = compare_scene(j, j->scenes.items[i]);
-    /* what was measured before a failure is kept */
-    bb_status written = BB_OK;
-    if (status == BB_OK || cJSON_GetArraySize(j->results) > 0)
-        written = bb_contest_write(&j->choice, document, "volume", bb_report_contest);
-    cJSON_Delete(document);
-    return status != BB_OK ? status : written;
+    BB_TRY(bb_contest_output_begin(&j->output, j->request.device, j->request.seed));
+    for (size_t i = 0; i < j->scenes.count && !bb_interrupted(); i++)
+        BB_TRY(compare_scene(j, j->scenes.items[i]));
+    return BB_OK;
 }
 
 static bb_status work(job *j)
@@ -226,13 +205,16 @@ static bb_status work(job *j)
     BB_TRY(read_names(j));
     BB_TRY(bb_open_device(&j->choice.device, &j->request.device));
     bb_interrupt_catch();
-    return compare_all(j);
+    return bb_contest_output_end(&j->output, compare_all(j), &j->wrong);
 }
 
 static bb_status run(const bb_cli *cli, void *values, int *exit_status)
 {
-    (void)cli;
     job *j = values;
+    j->output = (bb_contest_output){.outline = &bb_dvr_outline,
+                                    .printed = j->brief ? &bb_dvr_outline_briefly : NULL,
+                                    .choice = &j->choice,
+                                    .command_line = cli->command_line};
     bb_status status = work(j);
     return bb_contest_end(status, j->wrong, exit_status);
 }

@@ -50,7 +50,7 @@ bool bb_contest_prints(const bb_contest_choice *choice, const bb_device *device,
 /* Adds a result (NULL: no memory) to the list, with the names of its pictures; takes both over. */
 bb_status bb_contest_add(cJSON *results, cJSON *result, cJSON *files);
 
-/* Such as bb_report_contest(). */
+/* Such as bb_report_animate(). */
 typedef bb_status bb_page_writer(const cJSON *document, const char *folder, const char *path);
 
 /* Prints the document if --json was given, and writes NAME.json and, by `page`, NAME.html into the

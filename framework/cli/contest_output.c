@@ -3,37 +3,16 @@
 #include "framework/base/file.h"
 #include "framework/base/interrupt.h"
 #include "framework/cli/inputs.h"
-#include "framework/device/device_private.h"
+#include "framework/device/run_row.h"
 
-#include <inttypes.h>
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
-extern const char bb_build_revision[];
-
-#define TEXT BB_COLUMN_TEXT, BB_SENSE_EXACT, BB_BETTER_NEITHER, 0
-
-static const bb_column device_column = {"device", "device", "", "The OpenCL device.", TEXT};
-static const bb_column revision = {"revision", "revision", "", "Of the program.", TEXT};
-static const bb_column seed_column = {"seed", "seed", "", "Of all that is random.", TEXT};
-static const bb_column interrupted = {"interrupted", "interrupted", "",
-                                      "Whether rounds are missing.", TEXT};
-
-static void set_run(bb_contest_output *output, const bb_column *column, const char *text)
-{
-    const uint32_t row = bb_table_row(output->table, (bb_cell){{NULL}});
-    bb_table_set_text(output->table, row, column, text);
-}
-
 bb_status bb_contest_output_begin(bb_contest_output *output, const bb_device *device, uint64_t seed)
 {
-    char digits[24];
-    snprintf(digits, sizeof digits, "%" PRIu64, seed);
     BB_TRY(bb_table_create(output->outline->command, &output->table));
-    set_run(output, &device_column, device->name);
-    set_run(output, &revision, bb_build_revision);
-    set_run(output, &seed_column, digits);
+    bb_run_row(output->table, device, seed, output->command_line);
     return bb_table_status(output->table);
 }
 
@@ -56,15 +35,16 @@ bb_status bb_contest_output_scene(bb_contest_output *output)
 {
     bb_page *page;
     const bb_table *table = output->table;
+    const bb_page_outline *outline = output->printed != NULL ? output->printed : output->outline;
     BB_TRY(bb_table_status(table));
     if (output->choice->json)
         return BB_OK;
-    BB_TRY(bb_page_create(output->outline->title, &page));
+    BB_TRY(bb_page_create(outline->title, &page));
     if (!output->begun)
-        bb_outline_begin(table, page);
+        bb_page_say(page, "%s", bb_table_get_text(table, 0, bb_run_device.name));
     output->begun = true;
-    bb_outline_scene(output->outline, table,
-                     bb_table_name(table, bb_table_row_count(table) - 1, BB_SCENE), page);
+    bb_outline_scene(outline, table, bb_table_name(table, bb_table_row_count(table) - 1, BB_SCENE),
+                     page);
     bb_status status = bb_page_status(page);
     if (status == BB_OK)
         bb_page_print(page, stdout);
@@ -103,7 +83,7 @@ static bb_status write_all(bb_contest_output *output)
     if (output->table == NULL || bb_table_row_count(output->table) <= 1)
         return BB_OK;
     if (bb_interrupted())
-        set_run(output, &interrupted, "yes");
+        bb_table_set_text(output->table, 0, &bb_run_interrupted, "yes");
     BB_TRY(bb_table_status(output->table));
     if (output->choice->json)
         BB_TRY(print_json(output->table));

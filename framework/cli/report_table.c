@@ -2,6 +2,7 @@
 
 #include "framework/base/file.h"
 #include "framework/cli/inputs.h"
+#include "framework/dvr/dvr.h"
 #include "framework/overlap/overlap_contest.h"
 #include "framework/slice/slice_contest.h"
 
@@ -9,7 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const bb_page_outline *const outlines[] = {&bb_slice_outline, &bb_overlap_outline};
+static const bb_page_outline *const outlines[] = {&bb_dvr_outline, &bb_slice_outline,
+                                                  &bb_overlap_outline};
 
 static const bb_page_outline *outline_of(const bb_table *table)
 {

@@ -111,19 +111,12 @@ static bb_status reserve(bb_contest *c)
     return BB_OK;
 }
 
-const bb_contest_way *bb_contest_base(const bb_contest_way *ways, uint32_t count)
-{
-    uint32_t base = 0;
-    while (base + 1 < count && ways[base].refused[0] != '\0')
-        base++;
-    return &ways[base];
-}
-
+/* The first way that is not refused. */
 static bb_status choose_base(bb_contest *c)
 {
-    const bb_contest_way *base = bb_contest_base(c->ways, c->way_count);
-    c->base = (uint32_t)(base - c->ways);
-    return base->refused[0] == '\0'
+    while (c->base + 1 < c->way_count && c->ways[c->base].refused[0] != '\0')
+        c->base++;
+    return c->ways[c->base].refused[0] == '\0'
                ? BB_OK
                : bb_fail(BB_UNSUPPORTED, "%s by %s, and no other way either: %s",
                          c->ways[0].builder, c->ways[0].search, c->ways[0].refused);
@@ -453,21 +446,4 @@ bb_status bb_contest_run(bb_contest *c)
         return bb_fail(BB_FAILED, "%s: interrupted before a round that counts",
                        c->request.scenes[0]->name);
     return check_input(c);
-}
-
-/* Without a tree there is nothing to build. */
-static bb_samples time_of(const bb_contest_way *way, bool with_build)
-{
-    bb_samples sum = way->answer;
-    for (uint32_t i = 0; with_build && i < sum.count && i < way->build.count; i++)
-        sum.values[i] += way->build.values[i] + way->layout.values[i];
-    return sum;
-}
-
-bb_estimate bb_contest_ratio(const bb_contest_way *first, const bb_contest_way *way,
-                             bool with_build)
-{
-    const bb_samples own = time_of(way, with_build), others = time_of(first, with_build);
-    bb_samples ratio = bb_samples_ratio(&own, &others);
-    return bb_samples_estimate(&ratio);
 }

@@ -107,36 +107,4 @@ bb_status bb_contest_run(bb_contest *contest);
 /* The first way that has a tree and is not refused; NULL: none. */
 const bb_contest_runner *bb_contest_first(const bb_contest *contest);
 
-/* The way that others are compared with: the first that is not refused. */
-const bb_contest_way *bb_contest_base(const bb_contest_way *ways, uint32_t count);
-
-/* Of answers, with build and layout or without, the ratio to another way. */
-bb_estimate bb_contest_ratio(const bb_contest_way *base, const bb_contest_way *way,
-                             bool with_build);
-
-/* ---- what commands print and write of ways ---- */
-
-uint32_t bb_contest_rounds(const bb_contest_way *ways, uint32_t count); /* that count */
-
-/* The builder and search, the medians of build and layout, and whether there are figures: if not,
- * why. */
-bool bb_contest_print_name(const bb_contest_way *way);
-void bb_contest_print_interval(bb_estimate estimate);
-
-/* Per builder: its trees' sizes, with references per primitive; and its phases. */
-void bb_contest_print_trees(const bb_contest_way *ways, uint32_t count, uint64_t prims);
-void bb_contest_print_phases(const bb_contest_way *ways, uint32_t count);
-
-struct cJSON;
-/* Appends the last part of a path to an array. */
-bb_status bb_contest_add_file(struct cJSON *files, const char *path);
-bool bb_contest_put_samples(struct cJSON *object, const char *name, const bb_samples *samples);
-bool bb_contest_put_ratio(struct cJSON *object, const char *name, bb_estimate estimate);
-
-/* Adds the way to a list: names, or why it was refused; times, `answer` being the name of that of
- * answers (such as "picture_ms"); ratios, and sizes. `entry` gets the object, NULL if the way was
- * refused. False: no memory. */
-bool bb_contest_put_way(struct cJSON *list, const bb_contest_way *base, const bb_contest_way *way,
-                        const char *answer, struct cJSON **entry);
-
 #endif

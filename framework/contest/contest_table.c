@@ -72,7 +72,12 @@ static const bb_column bytes = {
     "bytes", "most memory",  "bytes", "Of tree and scratch at most, and of the layout.",
     NUMBER,  BB_BETTER_LESS, 0};
 
+static const bb_column rounds = {"rounds", "rounds",          "", "That count.",
+                                 NUMBER,   BB_BETTER_NEITHER, 0};
+
 static const bb_axes axes = {BB_DRAW_BARS, "ms", "", false, false};
+static const bb_axes by_step = {BB_DRAW_LINES, "step", "error of a channel", true, true};
+static const bb_axes by_time = {BB_DRAW_LINES, "last picture ms", "error of a channel", true, true};
 
 const bb_table_view bb_contest_views[BB_CONTEST_VIEWS] = {
     {.caption = "Meshes",
@@ -91,9 +96,11 @@ const bb_table_view bb_contest_views[BB_CONTEST_VIEWS] = {
                  {{"answer_ms"}, "answer / first", true},
                  {{"build_ms", "layout_ms", "answer_ms"}, "all / first", true},
                  {{"mitems_per_s"}, NULL, false},
+                 {{"msamples_per_s"}, NULL, false},
                  {{"nodes_per_item"}, NULL, false},
                  {{"tests_per_item"}, NULL, false},
                  {{"largest_difference"}, NULL, false},
+                 {{"largest_difference_8_bits"}, NULL, false},
                  {{"differ"}, NULL, false},
                  {{"refused"}, NULL, false}}},
     {.caption = "Time",
@@ -103,6 +110,27 @@ const bb_table_view bb_contest_views[BB_CONTEST_VIEWS] = {
                  {{"layout_ms"}, NULL, false},
                  {{"answer_ms"}, NULL, false}},
      .axes = &axes},
+    {.caption = "Accuracy",
+     .with = BB_SET(BB_QUESTION),
+     .rows = BB_SET(BB_QUESTION),
+     .columns = {{{"largest_error"}, NULL, false},
+                 {{"rms_error"}, NULL, false},
+                 {{"samples_per_ray"}, NULL, false},
+                 {{"picture_ms"}, NULL, false}}},
+    {.caption = "Step against error",
+     .with = BB_SET(BB_QUESTION),
+     .rows = BB_SET(BB_QUESTION),
+     .columns = {{{"step"}, NULL, false},
+                 {{"largest_error"}, NULL, false},
+                 {{"rms_error"}, NULL, false}},
+     .axes = &by_step},
+    {.caption = "Time against error",
+     .with = BB_SET(BB_QUESTION),
+     .rows = BB_SET(BB_QUESTION),
+     .columns = {{{"picture_ms"}, NULL, false},
+                 {{"largest_error"}, NULL, false},
+                 {{"rms_error"}, NULL, false}},
+     .axes = &by_time},
     {.caption = "Trees",
      .with = BB_SET(BB_BUILDER),
      .without = BB_SET(BB_INTERSECTOR) | BB_SET(BB_MAKER),
@@ -128,6 +156,11 @@ static uint32_t row_of(bb_table *table, const char *scene, const bb_contest_way 
                            [BB_MAKER] = maker,
                            [BB_INTERSECTOR] = search}};
     return bb_table_row(table, cell);
+}
+
+uint32_t bb_contest_row(bb_table *table, const char *scene, const bb_contest_way *way)
+{
+    return row_of(table, scene, way, NULL, way->builder[0] == '\0' ? "no tree" : way->search);
 }
 
 /* Ways of one builder have the same tree. */
@@ -166,14 +199,15 @@ void bb_contest_fill(bb_table *table, const char *scene, const bb_contest_way *w
 {
     for (uint32_t w = 0; w < count; w++) {
         const bb_contest_way *way = &ways[w];
-        const bool without = way->builder[0] == '\0';
-        const uint32_t row = row_of(table, scene, way, NULL, without ? "no tree" : way->search);
+        const uint32_t row = bb_contest_row(table, scene, way);
         if (way->refused[0] != '\0') {
             bb_table_set_text(table, row, &status, "refused");
             bb_table_set_text(table, row, &refused, way->refused);
             continue;
         }
         fill_way(table, row, way, items);
+        bb_table_set_number(table, bb_table_row(table, (bb_cell){{[BB_SCENE] = scene}}), &rounds,
+                            way->answer.count > 1 ? way->answer.count - 1 : 1);
         if (way->nodes > 0)
             fill_tree(table, scene, way, primitives);
     }

@@ -112,7 +112,7 @@ static bb_status write_picture(void *self, uint32_t view, const void *first, uin
     snprintf(path, sizeof path, "%s-%s.png", c->request->pictures, p->views[view].name);
     bb_status status = bb_image_write(path, rgb, p->width, p->height);
     bb_host_free(rgb);
-    return status == BB_OK ? bb_contest_add_file(c->request->picture_files, path) : status;
+    return status;
 }
 
 /* ---- all of it ---- */
@@ -134,10 +134,14 @@ static bb_status check_steps(comparison *c)
 static void describe(const comparison *c)
 {
     bb_dvr_result *result = c->result;
-    snprintf(result->scene, sizeof result->scene, "%s", c->scene->name);
     result->pictures = c->pictures.count;
     result->pixels = (uint64_t)c->pictures.count * c->pictures.pixels;
     c->renderer.describe(c->renderer.self, result);
+    snprintf(result->scene, sizeof result->scene, "%s, transfer function %s", c->scene->name,
+             result->transfer);
+    result->view_count = c->request->turns > 0 ? 0 : c->pictures.count;
+    for (uint32_t v = 0; v < result->view_count; v++)
+        snprintf(result->views[v], sizeof result->views[v], "%s", c->pictures.views[v].name);
 }
 
 static bb_status prepare(comparison *c)

@@ -9,6 +9,7 @@
 
 #include "framework/contest/contest.h"
 #include "framework/march/march.h"
+#include "framework/show/outline.h"
 
 enum {
     BB_DVR_STEPS_MAX = 12,
@@ -34,9 +35,8 @@ typedef struct bb_dvr_request {
     uint32_t step_count;
     double steps[BB_DVR_STEPS_MAX]; /* for the accuracy, in voxels; descending */
     uint64_t seed;
-    bool quiet;                  /* no progress */
-    const char *pictures;        /* the beginning of paths of PNG files; NULL: none */
-    struct cJSON *picture_files; /* an array, which gets their names */
+    bool quiet;           /* no progress */
+    const char *pictures; /* the beginning of paths of PNG files; NULL: none */
 } bb_dvr_request;
 
 /* How far a picture is from one with samples so close that more of them change nothing. */
@@ -49,16 +49,18 @@ typedef struct bb_dvr_error {
 
 /* One volume or mesh with one transfer function. */
 typedef struct bb_dvr_result {
-    char scene[256], transfer[64];
-    uint32_t dims[3], bytes; /* of the voxels */
+    char scene[352], transfer[64]; /* "SCENE, transfer function TRANSFER" */
+    uint32_t dims[3], bytes;       /* of the voxels */
     uint32_t brick_side, bricks, seen;
     uint64_t volume_bytes; /* of the bricks */
     bb_samples copy;       /* ms, of all bricks from one buffer to another; empty: no room for it */
     uint32_t tets, vertices, boundary; /* of a mesh; else 0: tetrahedra, those on the boundary */
     char field[64];
     uint32_t pictures;
-    uint64_t pixels; /* of all */
-    bool by_others;  /* the largest differences are OpenImageIO's, too */
+    uint64_t pixels;     /* of all */
+    uint32_t view_count; /* of the scene, which were taken; 0: it was turned */
+    char views[BB_VIEWS_MAX][48];
+    bool by_others; /* the largest differences are OpenImageIO's, too */
     uint32_t way_count;
     bb_contest_way ways[BB_CONTEST_WAYS_MAX]; /* the first of a volume is without a tree; work:
                                                  samples per ray */
@@ -72,11 +74,12 @@ typedef struct bb_dvr_result {
  * and without accuracy; before that it fails. The scene is on the device. */
 bb_status bb_dvr_run(const bb_dvr_request *request, bb_scene *scene, bb_dvr_result *result);
 
-/* As text on standard output; briefly: without trees, phases and legends. */
-void bb_dvr_print(const bb_dvr_result *result);
-void bb_dvr_print_briefly(const bb_dvr_result *result);
+/* Briefly: without trees, phases and the note. */
+extern const bb_page_outline bb_dvr_outline, bb_dvr_outline_briefly;
 
-/* As JSON: framework/dvr/README.md has the schema. NULL: no memory. The caller's to delete. */
-struct cJSON *bb_dvr_json(const bb_dvr_result *result);
+/* Adds the result to a table. `files`: what the names of its PNG files begin with, as in
+ * request->pictures, but from the table's folder; NULL: there are none. */
+void bb_dvr_fill(const bb_dvr_request *request, const bb_dvr_result *result, const char *files,
+                 bb_table *table);
 
 #endif

@@ -20,7 +20,7 @@ typedef struct bb_dvr_renderer {
     void *self;
     bool without; /* there is a way without a tree, the first: launch() with NULL */
     double unit;  /* of steps, in scene units */
-    /* Fills result->scene and what else tells of the scene. */
+    /* Fills result->transfer and what else tells of the scene. */
     void (*describe)(const void *self, bb_dvr_result *result);
     /* Makes layout and programs of a way, whose tree is on the device. */
     bb_status (*make)(void *self, const char *kernel, bb_tree *const *trees,

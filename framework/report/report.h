@@ -41,10 +41,7 @@ bb_status bb_report_charts(bb_results *results, const char *folder, uint32_t *pi
  * that lie in `folder`. */
 bb_status bb_report_atlas(const bb_table *atlas, const char *folder, const char *path);
 
-/* The page of what `volume`, `slice` or `overlap` measured (framework/dvr/, slice/, overlap/), in
- * the same way. */
-bb_status bb_report_contest(const cJSON *document, const char *folder, const char *path);
-/* That of `animate` (framework/animate/). */
+/* The page of what `animate` measured (framework/animate/), in the same way. */
 bb_status bb_report_animate(const cJSON *document, const char *folder, const char *path);
 
 #endif

@@ -6,11 +6,6 @@
 #include <math.h>
 #include <string.h>
 
-void bb_outline_begin(const bb_table *table, bb_page *page)
-{
-    bb_view_say(table, (bb_cell){{NULL}}, page);
-}
-
 static void add_pictures(const bb_table *table, const char *scene, bb_page *page)
 {
     for (uint32_t row = 0; row < bb_table_row_count(table); row++) {
@@ -29,7 +24,8 @@ void bb_outline_scene(const bb_page_outline *outline, const bb_table *table, con
     bb_view_say(table, cell, page);
     for (uint32_t i = 0; i < outline->view_count; i++)
         bb_view_show(&outline->views[i], table, cell, page);
-    bb_page_say(page, "%s", outline->note);
+    if (outline->note != NULL)
+        bb_page_say(page, "%s", outline->note);
     add_pictures(table, scene, page);
 }
 
@@ -65,7 +61,7 @@ static bool is_new(const bb_table *table, uint32_t row)
 bb_status bb_outline_page(const bb_page_outline *outline, const bb_table *table, bb_page **out)
 {
     BB_TRY(bb_page_create(outline->title, out));
-    bb_outline_begin(table, *out);
+    bb_view_say(table, (bb_cell){{NULL}}, *out);
     add_verdict(outline, table, *out);
     for (uint32_t row = 0; row < bb_table_row_count(table); row++)
         if (is_new(table, row))

@@ -9,18 +9,16 @@ typedef struct bb_page_outline {
     const char *title;          /* "bvhbench: slices of meshes" */
     const bb_table_view *views; /* for each scene, one after the other */
     uint32_t view_count;
-    const char *note;  /* how the figures are to be read */
+    const char *note;  /* how the figures are to be read; NULL: nothing is said */
     const char *wrong; /* a column of numbers: how many answers of a row are wrong */
     const char *well;  /* the verdict if none is: "All answers are the same." */
     const char *ill;   /* what follows their number: "answers differ" */
 } bb_page_outline;
 
-/* What belongs to the whole run. */
-void bb_outline_begin(const bb_table *table, bb_page *page);
 /* A scene: its figures, all views, its pictures, which rows name in the column "picture". */
 void bb_outline_scene(const bb_page_outline *outline, const bb_table *table, const char *scene,
                       bb_page *page);
-/* All of it, with the verdict. Owned by the caller. */
+/* All of it: what belongs to the whole run, the verdict, scenes. Owned by the caller. */
 bb_status bb_outline_page(const bb_page_outline *outline, const bb_table *table, bb_page **out);
 
 /* Wrong answers of all rows. */

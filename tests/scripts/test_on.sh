@@ -145,10 +145,8 @@ row() { echo "{\"scene\":\"$scene\",\"builder\":\"$1\",\"kernel\":\"k\",\"query\
     row bad ok null ${STUB_WRONG-false} 0 false; echo ,; row embree ok null true 0 true
     echo "]}"
 } >"$out/results.json"
-way="\"builder\":\"b\",\"kernel\":\"skip\""
-echo "{\"results\":[{\"ways\":[{$way,\"pixels_that_differ\":${STUB_DIFFER-0}},{$way,\"refused\":\"no room\"}]}]}" >"$out/volume.json"
 way="\"builder\":\"b\",\"intersector\":\"skip\""
-for name in slice overlap; do
+for name in volume slice overlap; do
     echo "{\"rows\":[{\"device\":\"d\"},{$way,\"differ\":${STUB_DIFFER-0}},{$way,\"refused\":\"no room\"}]}" >"$out/$name.json"
 done'
 matrix 0

@@ -1,5 +1,5 @@
-/* The pages of contests and of moving scenes: a template into which style, chart library, script,
- * figures and pictures are put. */
+/* The page of moving scenes: a template into which style, chart library, script, figures and
+ * pictures are put. */
 #include "framework/report/report.h"
 #include "framework/show/template.h"
 
@@ -10,8 +10,8 @@
 #include <stdlib.h>
 
 /* Embedded at build time. */
-extern const char bb_text_contest_html[], bb_text_style_css[], bb_text_contest_js[],
-    bb_text_animate_js[], bb_text_chart_js[];
+extern const char bb_text_animate_html[], bb_text_style_css[], bb_text_animate_js[],
+    bb_text_chart_js[];
 
 enum { PICTURES_MAX = 32 }; /* of a result; the others are named */
 
@@ -48,8 +48,7 @@ static char *with_pictures(const cJSON *document, const char *folder)
     return text;
 }
 
-static bb_status write_page(const cJSON *document, const char *folder, const char *script,
-                            const char *path)
+bb_status bb_report_animate(const cJSON *document, const char *folder, const char *path)
 {
     bb_page_text page = {0};
     char *figures = with_pictures(document, folder);
@@ -59,23 +58,13 @@ static bb_status write_page(const cJSON *document, const char *folder, const cha
         {"@BB_CSS@", bb_text_style_css, false},
         {"@BB_DATA@", figures, true},
         {"@BB_CHART_JS@", bb_text_chart_js, false},
-        {"@BB_SCRIPT@", script, false},
+        {"@BB_SCRIPT@", bb_text_animate_js, false},
     };
     bb_status status =
-        bb_page_fill(&page, bb_text_contest_html, parts, sizeof parts / sizeof parts[0]);
+        bb_page_fill(&page, bb_text_animate_html, parts, sizeof parts / sizeof parts[0]);
     if (status == BB_OK)
         status = bb_file_write(path, page.data, page.size, "report");
     free(page.data);
     cJSON_free(figures);
     return status;
-}
-
-bb_status bb_report_contest(const cJSON *document, const char *folder, const char *path)
-{
-    return write_page(document, folder, bb_text_contest_js, path);
-}
-
-bb_status bb_report_animate(const cJSON *document, const char *folder, const char *path)
-{
-    return write_page(document, folder, bb_text_animate_js, path);
 }
