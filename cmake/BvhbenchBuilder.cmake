@@ -197,9 +197,9 @@ function(bvhbench_embed_report target)
     # Parts of scripts, in this order: a part only uses itself and earlier parts.
     set(shown ../../show/page)
     set(report_html report.html)
-    set(report_js ${shown}/dom.js data.js series.js draw.js tables.js charts.js verdict.js predict.js page.js)
+    set(report_js ${shown}/dom.js ${shown}/figure.js data.js series.js draw.js tables.js charts.js verdict.js predict.js page.js)
     set(report_history_html history.html) # a page of its own
-    set(report_history_js ${shown}/dom.js history.js)
+    set(report_history_js ${shown}/dom.js ${shown}/figure.js history.js)
     set(atlas_html atlas.html) # another
     set(atlas_js ${shown}/dom.js atlas.js)
     set(animate_html animate.html) # and another

@@ -97,8 +97,8 @@ static void tables_show_what_trees_cost(void **state)
     bb_results *results = sample_results(NULL);
     char *text = table_of(results);
     assert_non_null(strstr(text,
-                           "    stages: presplit 1.50 ms, 3.0 MiB; embree 2.50 ms, SAH 59.00, "
-                           "4.0 MiB; map 3.50 ms; rotate 4.50 ms, SAH 57.00, 6.0 MiB\n"));
+                           "    stages: presplit 1.50 ms, 3.00 MiB; embree 2.50 ms, SAH 59.0, "
+                           "4.00 MiB; map 3.50 ms; rotate 4.50 ms, SAH 57.0, 6.00 MiB\n"));
     assert_true(line_has(strstr(text, "Layout ms"), "First ray     EPO~"));
     assert_true(line_has(strstr(text, "Box tests"), "Prim. tests     Work"));
     const char *fit = strstr(text, "(1 - alpha) SAH + alpha EPO");

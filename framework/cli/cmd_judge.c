@@ -11,6 +11,7 @@
 #include "framework/judge/judge.h"
 #include "framework/record/record.h"
 #include "framework/report/report.h"
+#include "framework/table/figure.h"
 #include "framework/workload/workload.h"
 
 #include <math.h>
@@ -136,13 +137,6 @@ static bb_status judge(job *j)
 
 /* ---- what it says ---- */
 
-/* Three figures, and never an exponent of ten. */
-static const char *figure(double value, char text[32])
-{
-    snprintf(text, 32, value >= 100 ? "%.0f" : "%.3g", value);
-    return text;
-}
-
 static void print_first_wrong(const ray_set *set)
 {
     uint32_t i = set->accuracy.first_wrong;
@@ -172,7 +166,7 @@ static void print_classes(const job *j, const ray_set *set)
     const bb_accuracy *a = &set->accuracy;
     uint64_t wrong = a->missed + a->false_hits + a->wrong_t;
     bb_wrong_rate rate = bb_wrong_rate_of((double)wrong, (double)a->checked);
-    char ppm[32], low[32], high[32];
+    char ppm[BB_FIGURE_MAX], low[BB_FIGURE_MAX], high[BB_FIGURE_MAX];
     printf("%s on %s, %s%s%s%s, %s hit: %llu hits for %u rays\n", j->name.text, j->scene->name,
            rays->name, j->by_hand ? " (rays as given)" : "", rays->view[0] != '\0' ? " from " : "",
            rays->view, rays->query->name, (unsigned long long)a->checked, rays->count);
@@ -182,8 +176,9 @@ static void print_classes(const job *j, const ray_set *set)
     printf("  missed    %10llu\n  false     %10llu\n  wrong t   %10llu\n",
            (unsigned long long)a->missed, (unsigned long long)a->false_hits,
            (unsigned long long)a->wrong_t);
-    printf("  wrong ppm %10s   [%s, %s] %s\n", figure(a->wrong_ppm, ppm), figure(rate.low, low),
-           figure(rate.high, high), wrong == 0 ? "none found: below 3/n at 95 %" : "at 95 %");
+    printf("  wrong ppm %10s   [%s, %s] %s\n", bb_figure(ppm, a->wrong_ppm, -1),
+           bb_figure(low, rate.low, -1), bb_figure(high, rate.high, -1),
+           wrong == 0 ? "none found: below 3/n at 95 %" : "at 95 %");
     if (!isnan(a->t_ulp_max))
         printf("  error of t of the right hits, in units of the last place: 99 %% below %.3g, at "
                "most %.3g; %.3g %% off by more than 1/1024 of t\n",

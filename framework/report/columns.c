@@ -10,65 +10,18 @@ int bb_larger(int a, int b)
     return a > b ? a : b;
 }
 
-/* ---- figures ---- */
-
-void bb_text_figure(char entry[BB_ENTRY], double value)
-{
-    if (!isfinite(value))
-        snprintf(entry, BB_ENTRY, "-");
-    else if (value != 0 && (fabs(value) < 1e-4 || fabs(value) >= 1e7))
-        snprintf(entry, BB_ENTRY, "%.3g", value);
-    else
-        snprintf(entry, BB_ENTRY, "%.*f",
-                 fabs(value) >= 1000   ? 0
-                 : fabs(value) >= 100  ? 1
-                 : fabs(value) >= 1    ? 2
-                 : fabs(value) >= 0.01 ? 3
-                                       : 5,
-                 value);
-}
-
-void bb_text_bytes(char entry[BB_ENTRY], double value)
-{
-    static const char *const units[] = {"B", "KiB", "MiB", "GiB", "TiB"};
-    if (!isfinite(value)) {
-        snprintf(entry, BB_ENTRY, "-");
-        return;
-    }
-    unsigned unit = 0;
-    for (; value >= 1024 && unit < 4; unit++)
-        value /= 1024;
-    snprintf(entry, BB_ENTRY, "%.*f %s", value < 10 && unit > 0 ? 1 : 0, value, units[unit]);
-}
-
-void bb_text_whole(char entry[BB_ENTRY], double value)
-{
-    char digits[BB_ENTRY];
-    if (!isfinite(value) || value < 0 || value > 1e15) {
-        bb_text_figure(entry, value);
-        return;
-    }
-    int length = snprintf(digits, sizeof digits, "%.0f", value), at = 0;
-    for (int i = 0; i < length; i++) {
-        if (i > 0 && (length - i) % 3 == 0)
-            entry[at++] = ',';
-        entry[at++] = digits[i];
-    }
-    entry[at] = '\0';
-}
-
 void bb_text_field(char entry[BB_ENTRY], const bb_entry *row, bb_field_id field)
 {
     double value = bb_get_number(row, field);
     switch (bb_fields[field].format) {
     case BB_AS_WHOLE:
-        bb_text_whole(entry, value);
+        bb_figure(entry, value, 0);
         break;
     case BB_AS_BYTES:
-        bb_text_bytes(entry, value);
+        bb_figure_bytes(entry, value);
         break;
     default:
-        bb_text_figure(entry, value);
+        bb_figure(entry, value, -1);
     }
 }
 
@@ -112,9 +65,9 @@ static bb_spread with_spread(char entry[BB_ENTRY], const bb_medians *c, const bb
     char middle[BB_ENTRY], left[BB_ENTRY], right[BB_ENTRY];
     double from, to;
     bb_spread kind = spread_of(row, c->low, &from, &to);
-    bb_text_figure(middle, bb_get_number(row, c->median));
-    bb_text_figure(left, from);
-    bb_text_figure(right, to);
+    bb_figure(middle, bb_get_number(row, c->median), -1);
+    bb_figure(left, from, -1);
+    bb_figure(right, to, -1);
     if (kind == BB_NO_SPREAD)
         snprintf(entry, BB_ENTRY, "%s", middle);
     else

@@ -4,17 +4,12 @@
 #define BB_COLUMNS_H
 
 #include "framework/record/schema.h"
+#include "framework/table/figure.h"
 
 #include <stdio.h>
 
-enum { BB_ENTRY = 64 }; /* room for an entry of a table */
+enum { BB_ENTRY = BB_FIGURE_MAX }; /* room for an entry of a table */
 
-/* Significant digits rather than decimals: 0.0123, 1.23, 123, 12345. "-" if not measured. */
-void bb_text_figure(char entry[BB_ENTRY], double value);
-/* 1234567 -> "1,234,567" */
-void bb_text_whole(char entry[BB_ENTRY], double value);
-/* 1234567 -> "1.2 MiB" */
-void bb_text_bytes(char entry[BB_ENTRY], double value);
 /* A field's figure in its format. */
 void bb_text_field(char entry[BB_ENTRY], const bb_entry *row, bb_field_id field);
 

@@ -75,13 +75,13 @@ static void print_tree(FILE *out, const bb_entry *build, const tree_columns *col
     char entry[BB_ENTRY];
     double native = bb_get_number(build, BB_F_BUILD_BYTES_NATIVE);
     for (uint32_t i = 0; i < columns->count; i++) {
-        bb_text_figure(entry, bb_get_metric(build, columns->metrics[i]));
+        bb_figure(entry, bb_get_metric(build, columns->metrics[i]), -1);
         fprintf(out, "  %*s", metric_width(columns->metrics[i]), entry);
     }
     for (size_t i = 0; i < AFTER_METRICS; i++) {
         bb_text_field(entry, build, after_metrics[i]);
         if (after_metrics[i] == BB_F_TREE_BYTES && isfinite(native))
-            bb_text_bytes(entry, native);
+            bb_figure_bytes(entry, native);
         fprintf(out, "  %8s", entry);
     }
     fputc('\n', out);
@@ -95,11 +95,11 @@ static void print_stages(FILE *out, const bb_entry *build)
     {
         char ms[BB_ENTRY], sah[BB_ENTRY], bytes[BB_ENTRY];
         const char *name = bb_part_name(stage);
-        bb_text_figure(ms, bb_part_number(stage));
+        bb_figure(ms, bb_part_number(stage), -1);
         double cost = bb_get_named(build, BB_F_BUILD_STAGES_SAH, name);
         double peak = bb_get_named(build, BB_F_BUILD_STAGES_PEAK, name);
-        bb_text_figure(sah, cost);
-        bb_text_bytes(bytes, peak);
+        bb_figure(sah, cost, -1);
+        bb_figure_bytes(bytes, peak);
         fprintf(out, "%s ", after);
         bb_print_text(out, name, 0);
         fprintf(out, " %s ms", ms);
@@ -124,8 +124,8 @@ static void print_build(FILE *out, const bb_entry *build, int width, const bb_me
         return;
     bb_text_field(rate, build, BB_F_BUILD_RATE);
     bb_medians_text(ms, times, build);
-    bb_text_figure(conversion, layout != NULL ? bb_part_number(layout) : (double)NAN);
-    bb_text_figure(first, bb_first_ray_ms(build, layout != NULL ? bb_part_name(layout) : ""));
+    bb_figure(conversion, layout != NULL ? bb_part_number(layout) : (double)NAN, -1);
+    bb_figure(first, bb_first_ray_ms(build, layout != NULL ? bb_part_name(layout) : ""), -1);
     fprintf(out, "  %8s  %-9s  %-*s  %9s  %9s", rate, bb_get_text(build, BB_F_BUILD_HANDOVER),
             times->width, ms, conversion, first);
     print_tree(out, build, columns);
@@ -140,9 +140,9 @@ static void print_build(FILE *out, const bb_entry *build, int width, const bb_me
         return;
     fputs("    layouts:", out);
     for (; layout != NULL; layout = bb_next(layout)) {
-        bb_text_figure(conversion, bb_part_number(layout));
+        bb_figure(conversion, bb_part_number(layout), -1);
         fputc(' ', out);
-        bb_text_figure(first, bb_first_ray_ms(build, bb_part_name(layout)));
+        bb_figure(first, bb_first_ray_ms(build, bb_part_name(layout)), -1);
         bb_print_text(out, bb_part_name(layout), 0);
         fprintf(out, " %s ms, first ray %s%s", conversion, first, bb_next(layout) ? ";" : "\n");
     }
@@ -205,7 +205,7 @@ static void wrong_entry(char entry[BB_ENTRY], const bb_entry *trace)
         snprintf(entry, BB_ENTRY, "unchecked");
         return;
     }
-    bb_text_figure(rate, ppm);
+    bb_figure(rate, ppm, -1);
     bool failed = bb_get_true(trace, BB_F_TRACE_WRONG) && bb_get_true(trace, BB_F_TRACE_COUNTS);
     const char *mark = failed ? " WRONG" : ppm > 0 ? " wrong" : "";
     snprintf(entry, BB_ENTRY, "%.24s%s%s%s", ppm == 0 ? "0" : rate, mark,
@@ -258,7 +258,7 @@ static void print_trace(FILE *out, const bb_entry *trace, const group *set)
         return;
     double speed = bb_get_number(trace, BB_F_TRACE_RATE);
     bb_medians_text(rate, &set->rates, trace);
-    bb_text_figure(ratio, speed / set->reference);
+    bb_figure(ratio, speed / set->reference, -1);
     wrong_entry(wrong, trace);
     classes_entry(classes, trace);
     bb_text_field(nodes, trace, BB_F_TRACE_NODE_TESTS);
@@ -267,7 +267,7 @@ static void print_trace(FILE *out, const bb_entry *trace, const group *set)
     fprintf(out, "  %-*s  %*s  %-12s  %-10s  %9s  %11s  %7s", set->rates.width, rate,
             set->ratio_width, ratio, wrong, classes, nodes, prims, work);
     if (bb_get_number(trace, BB_F_TRACE_COUNT) < set->count) {
-        bb_text_whole(rate, bb_get_number(trace, BB_F_TRACE_COUNT));
+        bb_figure(rate, bb_get_number(trace, BB_F_TRACE_COUNT), 0);
         fprintf(out, "  of the first %s rays", rate);
     }
     fputc('\n', out);
@@ -305,7 +305,7 @@ static void print_group(FILE *out, const bb_section *traces, const bb_entry *fir
         bb_medians_take(&set.rates, trace);
     }
     bb_medians_finish(&set.rates);
-    bb_text_whole(count, set.count);
+    bb_figure(count, set.count, 0);
     fputs("\n  ", out);
     bb_print_text(out, bb_get_text(first, BB_F_TRACE_RAYS), 0);
     if (strcmp(bb_get_text(first, BB_F_TRACE_RAYS_SOURCE), "as given") == 0)
@@ -461,7 +461,7 @@ bb_status bb_report_table(const bb_results *results, FILE *out)
     {
         const char *name = bb_get_text(scene, BB_F_SCENE_NAME);
         char count[BB_ENTRY];
-        bb_text_whole(count, bb_get_number(scene, BB_F_SCENE_PRIMS));
+        bb_figure(count, bb_get_number(scene, BB_F_SCENE_PRIMS), 0);
         fputc('\n', out);
         bb_print_text(out, name, 0);
         fprintf(out, ": %s ", count);

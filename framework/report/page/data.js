@@ -7,16 +7,7 @@ const sets = JSON.parse(document.getElementById('chart-data').textContent);
 const pictures = JSON.parse(document.getElementById('picture-data').textContent);
 
 /* ---- small helpers ---- */
-/* About three digits, thousands grouped; a dash where nothing was measured. */
-function figure(value) {
-  if (!isNumber(value)) return dash;
-  const size = Math.abs(value);
-  if (size === 0) return '0';
-  if (size < 1e-4 || size >= 1e9) return value.toExponential(2);
-  const decimals = size >= 1000 ? 0 : size >= 10 ? 1 : size >= 1 ? 2 : size >= 0.01 ? 3 : 5;
-  return value.toLocaleString('en', { minimumFractionDigits: Math.min(decimals, 2), maximumFractionDigits: decimals });
-}
-const whole = value => isNumber(value) ? Math.round(value).toLocaleString('en') : dash;
+const whole = value => figure(value, 0);
 
 /* What is known of the median `name` of a build, a trace or a cell: its 95 % interval; of too few
  * rounds for one, their range; of a single round, nothing. */
@@ -33,12 +24,6 @@ const brackets = spread => spread ? ` [${figure(spread.low)}, ${figure(spread.hi
 function measured(value, unit, spread) {
   const text = `${figure(value)} ${unit}`, kind = spread && spread.isInterval ? '95 %' : 'range';
   return spread ? `${text}, ${kind}: ${figure(spread.low)} to ${figure(spread.high)}` : text;
-}
-
-function bytes(value) {
-  if (!isNumber(value)) return dash;
-  const unit = value < 1024 ? 0 : Math.min(4, Math.floor(Math.log2(value) / 10)), scaled = value / 1024 ** unit;
-  return `${scaled.toFixed(unit > 0 && scaled < 10 ? 1 : 0)} ${['B', 'KiB', 'MiB', 'GiB', 'TiB'][unit]}`;
 }
 
 /* 10, 1 k, 12.3 M: for counts of rays. */

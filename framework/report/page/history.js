@@ -4,12 +4,6 @@ const data = JSON.parse(document.getElementById('data').textContent);
 const dark = window.matchMedia('(prefers-color-scheme: dark)');
 const ROWS = 500;
 
-/* Some significant digits; whole numbers as they are. */
-function figure(value) {
-  if (!isNumber(value)) return dash;
-  if (Number.isInteger(value)) return value.toLocaleString('en');
-  return Number(value.toPrecision(4)).toLocaleString('en', { maximumSignificantDigits: 4 });
-}
 const share = value => `${Number((100 * value).toPrecision(3))} %`;
 const day = date => (date || '').replace('T', ' ').replace('Z', ' UTC');
 

@@ -17,7 +17,7 @@ function threeDigits(size) {
   return `${Number(mantissa)}e${power < 0 ? '-' : '+'}${String(Math.abs(power)).padStart(2, '0')}`;
 }
 
-function figure(value, decimals) {
+function figure(value, decimals = -1) {
   if (!isNumber(value)) return '-';
   const size = Math.abs(value), sign = value < 0 || Object.is(value, -0) ? '-' : '';
   if (size >= 1e15 || (decimals < 0 && size !== 0 && (size < 1e-2 || size >= 1e7))) return sign + threeDigits(size);
@@ -25,6 +25,12 @@ function figure(value, decimals) {
   const digits = decimals < 0 ? automatic : Math.min(decimals, 15);
   const text = rounded(n => size.toFixed(n), digits);
   return sign + (digits === 0 ? text.replace(/\B(?=(\d{3})+$)/g, ',') : text);
+}
+
+function bytes(value) {
+  let unit = 0;
+  for (; Math.abs(value) >= 1024 && unit < 4; unit++) value /= 1024;
+  return isNumber(value) ? `${figure(value, unit === 0 ? 0 : -1)} ${['B', 'KiB', 'MiB', 'GiB', 'TiB'][unit]}` : '-';
 }
 
 function figureWithInterval(item, decimals) {
