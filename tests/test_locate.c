@@ -3,11 +3,11 @@
  * where ../shared is there. BVHBENCH_TEST_SMALL keeps the inputs small (for oclgrind);
  * with BVHBENCH_TEST_LONG it is more than 10^6 points. Seed:
  * BVHBENCH_TEST_SEED. */
-#include "framework/locate/locate.h"
-
 #include "framework/base/random.h"
 #include "framework/builder/instance.h"
+#include "framework/locate/tet_search.h"
 #include "tests/device_forms.h"
+#include "tests/locate_all.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -15,7 +15,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { HOLDERS_MAX = 64, WAYS = 3, MORE = 12 };
+enum { HOLDERS_MAX = 64, WAYS = 3, MORE = 12, GROUP_SIZE = 64 };
 
 static bool small;
 
@@ -70,7 +70,7 @@ static void judge(const bb_scene *scene, const float *points, const bb_located *
 {
     for (uint32_t i = 0; i < count; i++) {
         const double p[3] = {points[3 * i], points[3 * i + 1], points[3 * i + 2]};
-        uint32_t holders[HOLDERS_MAX], n = bb_locate_all(scene, p, holders, HOLDERS_MAX);
+        uint32_t holders[HOLDERS_MAX], n = locate_all(scene, p, holders, HOLDERS_MAX);
         bool among = false;
         assert_true(n <= HOLDERS_MAX);
         for (uint32_t h = 0; h < n; h++)
@@ -87,13 +87,38 @@ static void judge(const bb_scene *scene, const float *points, const bb_located *
     }
 }
 
+/* `counts` NULL: they are not counted. */
+static void locate_points(bb_tet_kernels *kernels, const bb_scene *scene, const bb_tet_search *how,
+                          const bb_buffer *points, uint32_t count, bb_buffer *results,
+                          bb_buffer *counts)
+{
+    const bb_scene_device *there = &scene->on_device;
+    const bb_prim_ends ends = bb_scene_ends(scene);
+    bb_arg args[BB_TET_SEARCH_ARGS + 7];
+    cl_kernel kernel;
+    check(bb_tet_kernels_get(kernels, there->device, how->way, false, counts != NULL, &kernel),
+          "locate_points");
+    uint32_t n = bb_tet_search_args(how, args);
+    args[n++] = BB_MEM(there->prims);
+    args[n++] = BB_VALUE(ends);
+    args[n++] = BB_MEM(there->field);
+    args[n++] = BB_MEM(*points);
+    args[n++] = BB_VALUE(count);
+    args[n++] = BB_MEM(*results);
+    if (counts != NULL)
+        args[n++] = BB_MEM(*counts);
+    check(bb_launch_args(there->device, kernel, count, GROUP_SIZE, args, n), "locate_points");
+}
+
+/* With `floats` as on a device that has no doubles. */
 static void search(bb_device *on, bb_scene *scene, int way, bool floats, const bb_buffer *points,
                    uint32_t count, bb_located *found)
 {
     bb_instance instance = {0};
     bb_layout_maker maker;
     bb_layout_data data = {0};
-    bb_locator *locator;
+    bb_tet_kernels kernels = {
+        .source = "locate_points.cl", .name = "locate_points", .floats = floats};
     bb_buffer results, counts;
     const bb_layout *layout = bb_layout_find(ways[way].layout);
     bb_count *counted = malloc(count * sizeof *counted);
@@ -103,22 +128,19 @@ static void search(bb_device *on, bb_scene *scene, int way, bool floats, const b
     check(bb_layout_maker_create(layout, on, &maker), layout->name);
     check(bb_layout_maker_make(&maker, scene, &instance.tree, 1, BB_FORMAT_VERTICES, &data),
           layout->name);
-    check(bb_locator_create(scene, &locator), "locator");
-    if (floats)
-        bb_locator_take_floats(locator);
     results = counts = (bb_buffer){0};
     check(bb_buffer_reserve(on, NULL, count * sizeof *found, "test", &results), "results");
     check(bb_buffer_reserve(on, NULL, count * sizeof *counted, "test", &counts), "counts");
     check(bb_buffer_fill(&results, count * sizeof *found, BB_POISON), "poison");
     bb_tet_search how;
     check(bb_tet_search_by(scene, layout, &data, &how), "search");
-    check(bb_locate_points(locator, &how, points, count, &results, &counts), "locate");
+    locate_points(&kernels, scene, &how, points, count, &results, &counts);
     check(bb_buffer_read(&results, 0, count * sizeof *found, found), "results");
     check(bb_buffer_read(&counts, 0, count * sizeof *counted, counted), "counts");
     for (uint32_t i = 0; i < count; i++)
         tests += counted[i].prims;
     assert_true(tests > 0);
-    check(bb_locate_points(locator, &how, points, count, &results, NULL), "locate");
+    locate_points(&kernels, scene, &how, points, count, &results, NULL);
     bb_located *again = malloc(count * sizeof *again);
     check(bb_buffer_read(&results, 0, count * sizeof *again, again), "results");
     assert_memory_equal(found, again, count * sizeof *again);
@@ -126,7 +148,7 @@ static void search(bb_device *on, bb_scene *scene, int way, bool floats, const b
     free(counted);
     bb_buffer_release(&results);
     bb_buffer_release(&counts);
-    bb_locator_destroy(locator);
+    bb_tet_kernels_release(&kernels);
     bb_layout_data_release(&data);
     bb_layout_maker_destroy(&maker);
     bb_instance_destroy(&instance);
@@ -204,17 +226,11 @@ static void real_meshes(void **state)
     }
 }
 
-static void scenes_without_tetrahedra_are_refused(void **state)
+static void some_layouts_are_searched(void **state)
 {
     (void)state;
-    bb_scene *scene = NULL;
-    bb_locator *locator;
-    check(bb_scene_load("cube", &scene), "cube");
-    assert_int_equal(bb_locator_create(scene, &locator), BB_UNSUPPORTED);
-    assert_null(locator);
     assert_false(bb_tet_search_takes(bb_layout_find("pair")));
     assert_true(bb_tet_search_takes(bb_layout_find("skip")));
-    bb_scene_free(scene);
 }
 
 static int set_up(void **state)
@@ -229,7 +245,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_point_is_missed),
         cmocka_unit_test(real_meshes),
-        cmocka_unit_test(scenes_without_tetrahedra_are_refused),
+        cmocka_unit_test(some_layouts_are_searched),
     };
     return cmocka_run_group_tests(tests, set_up, close_devices);
 }

@@ -2,9 +2,9 @@
  * arithmetic on meshes of integers, where voxels touch tetrahedra by faces, edges and corners; then
  * trees against no tree, bit for bit, on what is awkward; values against doubles; plans that cannot
  * be. BVHBENCH_TEST_SMALL keeps the inputs small (for oclgrind). Seed: BVHBENCH_TEST_SEED. */
-#include "framework/locate/locate.h"
 #include "framework/slice/slice.h"
 #include "tests/lattice_mesh.h"
+#include "tests/locate_all.h"
 
 static bool small, floats; /* floats: as on a device that has no doubles */
 
@@ -84,7 +84,7 @@ static void expect_voxel(const bb_scene *scene, const lattice *l, const voxel *v
                          const bb_sliced *found, uint32_t *touched)
 {
     const uint32_t first = scene->prims[BB_TETRAHEDRON].first;
-    uint32_t holders[64], holding = bb_locate_all(scene, v->centre, holders, 64);
+    uint32_t holders[64], holding = locate_all(scene, v->centre, holders, 64);
     bool meets = false, meets_boundary = false;
     for (uint32_t i = 0; i < tets_of(scene) && holding == 0; i++) {
         const solid tet = doubled(tet_of(scene, l, i));

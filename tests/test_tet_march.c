@@ -7,6 +7,7 @@
 #include "framework/march/tet_march.h"
 #include "framework/scene/camera.h"
 #include "tests/device_fixture.h"
+#include "tests/locate_all.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -122,7 +123,7 @@ static double light_of(const bb_scene *scene, const bb_ray *ray, double step, do
         uint32_t tet;
         for (int k = 0; k < 3; k++)
             p[k] = ray->o[k] + t * (double)ray->d[k];
-        if (t <= ray->tmin || t >= ray->tmax || bb_locate_all(scene, p, &tet, 1) == 0)
+        if (t <= ray->tmin || t >= ray->tmax || locate_all(scene, p, &tet, 1) == 0)
             continue;
         double range = (double)scene->tets->field_hi - scene->tets->field_lo;
         double x = (field_at(scene, tet, p) - scene->tets->field_lo) / range;

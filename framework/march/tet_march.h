@@ -3,7 +3,7 @@
 #ifndef BB_TET_MARCH_H
 #define BB_TET_MARCH_H
 
-#include "framework/locate/locate.h"
+#include "framework/locate/tet_search.h"
 #include "framework/march/march.h"
 
 typedef struct bb_tet_marcher bb_tet_marcher;
