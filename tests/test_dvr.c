@@ -55,7 +55,9 @@ static void expect_ways(const bb_table *table, const char *scene, int ways)
         found++;
         assert_string_equal(bb_table_get_text(table, row, "refused"), "");
         assert_true(number(table, way, "answer_ms") >= 0);
-        assert_true(number(table, way, "msamples_per_s") > 0);
+        const double rate =
+            number(table, way, "mitems_per_s") * number(table, way, "tests_per_item");
+        assert_true(fabs(number(table, way, "msamples_per_s") / rate - 1) < 1e-9);
         assert_true(number(table, way, "differ") == 0);
         if (builder[0] == '\0')
             continue;
@@ -79,6 +81,7 @@ static void expect_accuracy(const bb_table *table, const char *scene)
     const double most = number(table, steps[2], "largest_error");
     assert_true(number(table, steps[0], "rms_error") > number(table, steps[2], "rms_error"));
     assert_true(number(table, steps[2], "rms_error") > 0);
+    assert_true(number(table, steps[2], "rms_error") < most);
     assert_true(number(table, steps[0], "largest_error") > most);
     assert_true(number(table, scene_cell(scene), "converged_to") < most);
     for (int i = 0; i < 3; i++) {
