@@ -59,7 +59,10 @@ _bvhbench_options()
 # Words that an option takes: `--format text|github`.
 _bvhbench_choices()
 {
-    "$1" "$2" --help 2>/dev/null | sed -n "s/^  $3 \([a-z|]*|[a-z|]*\) .*/\1/p" | tr '|' ' '
+    local option words
+    while read -r option words; do
+        [[ $option != "$3" || $words != *'|'* ]] || echo "${words//|/ }"
+    done < <(_bvhbench_options "$1" "$2")
 }
 
 _bvhbench_commands()
@@ -90,7 +93,7 @@ _bvhbench_value()
 
 _bvhbench_words()
 {
-    local program=$1 current=$2 command=$4 previous=$5 options
+    local program=$1 current=$2 command=$4 previous=$5 options word
     if [[ $3 -eq 1 ]]; then
         _bvhbench_commands "$program"
         printf '%s\n' --help --version
@@ -98,8 +101,9 @@ _bvhbench_words()
     fi
     options=$(_bvhbench_options "$program" "$command") || true # `help` has none
     if [[ $current == --*=* ]]; then
-        _bvhbench_value "$program" "$command" "${current%%=*}" "${current#*=}" | sed "s/^/${current%%=*}=/"
-    elif grep -q -- "^$previous " <<<"$options"; then
+        _bvhbench_value "$program" "$command" "${current%%=*}" "${current#*=}" |
+            while read -r word; do echo "${current%%=*}=$word"; done
+    elif [[ $'\n'$options == *$'\n'"$previous "* ]]; then
         _bvhbench_value "$program" "$command" "$previous" "$current"
     elif [[ $current == -* ]]; then
         sed 's/ .*//' <<<"$options"

@@ -341,8 +341,8 @@ static void an_interrupt_leaves_the_best_so_far(void **state)
 static void what_cannot_be_done_is_refused(void **state)
 {
     (void)state;
-    refuses("", "advise", "give one --scene");
-    refuses("", "advise --scene cube --scene coffee", "give one --scene");
+    refuses("", "advise", "advise needs --scene");
+    refuses("", "advise --scene cube --scene coffee", "--scene is given twice");
     refuses("", "advise --scene coffe", "coffe");
     refuses("", "advise --scene cube --builder nosuch", "nosuch");
     refuses("", "advise --scene cube --builder embree-native:quality=high", "reference row");

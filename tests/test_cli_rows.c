@@ -165,6 +165,25 @@ static void help_is_made_of_the_rows(void **state)
     free(text);
 }
 
+/* However long the words are, all of them are shown. */
+static void help_says_what_is_needed_and_is_not_cut(void **state)
+{
+    (void)state;
+    static const bb_cli_option long_words[] = {
+        {"word", NULL, "a word", BB_INTO(values, count), .needed = true,
+         .words = "a-word-of-some-length|another-word-of-some-length|the-last-word"},
+        {.name = NULL},
+    };
+    char *text = NULL;
+    size_t size;
+    FILE *out = open_memstream(&text, &size);
+    command = command_of(long_words);
+    assert_int_equal(bb_cli_help(&command, out), BB_OK);
+    fclose(out);
+    assert_non_null(strstr(text, "|the-last-word a word; needed\n"));
+    free(text);
+}
+
 static void words_that_are_no_options_are_positional(void **state)
 {
     (void)state;
@@ -256,10 +275,22 @@ static void wrong_declarations_are_refused(void **state)
     expect_fault(row, "a flag takes no value");
     row = right, row.kind = BB_CLI_U64, row.words = "a|b";
     expect_fault(row, "needs a uint32_t");
+    row = right, row.kind = BB_CLI_END;
+    expect_fault(row, "its value is stored nowhere");
+    row = right, row.offset = offsetof(values, flag);
+    expect_fault(row, "in the same place");
     row = right, row.low = 3, row.high = 2;
     expect_fault(row, "its range is empty");
+    row = right, row.low = -1, row.high = 2;
+    expect_fault(row, "its type cannot hold it");
+    row = right, row.high = 0x1p32;
+    expect_fault(row, "its type cannot hold it");
+    row = right, row.words = "one|two", row.high = 1;
+    expect_fault(row, "its type cannot hold it");
     row = right, row.needed = true;
-    expect_fault(row, "a default is never used");
+    expect_fault(row, "a flag has no default");
+    row = right, row.argument = NULL, row.kind = BB_CLI_FLAG, row.offset = offsetof(values, fast);
+    expect_fault(row, "a flag has no default");
     row = right, row.fallback = "many";
     expect_fault(row, "the default of an option is wrong: --n is 'many'");
     row = right, row.with = "nothing";
@@ -270,17 +301,30 @@ static void wrong_declarations_are_refused(void **state)
     expect_fault(row, "there is no --nothing");
 }
 
-/* All declarations and defaults: only what is missing is refused. */
+/* Only what is missing is refused; `word` NULL: nothing is given. */
+static void expect_sound(const bb_command *c, char *word)
+{
+    char *argv[] = {"bvhbench", "command", word, NULL};
+    bool help = false;
+    bb_cli_free(&cli);
+    if (bb_cli_parse(&cli, c, word != NULL ? 3 : 2, argv, &help) != BB_OK &&
+        strstr(bb_message(), " needs --") == NULL)
+        fail_msg("%s %s: %s", c->name, word != NULL ? word : "", bb_message());
+}
+
+/* All declarations and defaults, and those that flags change. */
 static void the_tables_of_all_commands_are_sound(void **state)
 {
     (void)state;
     for (const bb_command *const *c = bb_commands; *c != NULL; c++) {
-        char *argv[] = {"bvhbench", "command", NULL};
-        bool help = false;
-        bb_cli_free(&cli);
-        if (bb_cli_parse(&cli, *c, 2, argv, &help) != BB_OK &&
-            strstr(bb_message(), " needs --") == NULL)
-            fail_msg("%s: %s", (*c)->name, bb_message());
+        expect_sound(*c, NULL);
+        for (const bb_cli_option *o = (*c)->options; o->kind != BB_CLI_END; o++) {
+            char word[64];
+            if (o->presets == NULL)
+                continue;
+            snprintf(word, sizeof word, "--%s", o->name);
+            expect_sound(*c, word);
+        }
     }
 }
 
@@ -291,6 +335,7 @@ int main(void)
         cmocka_unit_test(lists_are_split_and_items_are_not),
         cmocka_unit_test(defaults_are_stored_and_flags_change_them),
         cmocka_unit_test(help_is_made_of_the_rows),
+        cmocka_unit_test(help_says_what_is_needed_and_is_not_cut),
         cmocka_unit_test(words_that_are_no_options_are_positional),
         cmocka_unit_test(bad_values_are_refused),
         cmocka_unit_test(options_that_need_or_exclude_others),

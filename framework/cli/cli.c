@@ -19,12 +19,11 @@ extern const char bb_build_version[], bb_build_revision[];
 
 static void print_row(FILE *out, const bb_cli_option *o)
 {
-    char left[64];
     const char *value = o->words != NULL ? o->words : o->argument;
     const bool list = o->kind == BB_CLI_LIST || o->kind == BB_CLI_EACH;
-    snprintf(left, sizeof left, "--%s%s%s", o->name, value != NULL ? " " : "",
-             value != NULL ? value : "");
-    fprintf(out, "  %-30s %s", left, o->help);
+    const int used =
+        fprintf(out, "  --%s%s%s", o->name, value != NULL ? " " : "", value != NULL ? value : "");
+    fprintf(out, "%*s %s%s", used < 32 ? 32 - used : 0, "", o->help, o->needed ? "; needed" : "");
     for (const char *const *p = o->presets; p != NULL && *p != NULL; p += 2)
         fprintf(out, "%s --%s %s", p == o->presets ? "; changes defaults to" : "", p[0], p[1]);
     if (o->fallback != NULL)

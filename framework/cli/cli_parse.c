@@ -35,23 +35,49 @@ static size_t bytes_of(bb_cli_kind kind)
     return bytes[kind];
 }
 
+static bool has_wrong_range(const bb_cli_option *o)
+{
+    const bool wide = o->kind == BB_CLI_U64, number = o->kind == BB_CLI_U32 || wide;
+    if (o->words != NULL || (!number && o->kind != BB_CLI_DOUBLE))
+        return o->low != 0 || o->high != 0;
+    if (number && (o->low < 0 || o->high >= (wide ? 0x1p64 : 0x1p32)))
+        return true;
+    return o->high > 0 ? o->low > o->high : o->kind == BB_CLI_DOUBLE;
+}
+
+/* Returns whether the value would overwrite that of an earlier row. */
+static bool is_taken(const bb_cli *cli, size_t offset, size_t bytes)
+{
+    const char *place = (char *)cli->values + offset;
+    for (uint32_t i = 0; i < cli->row_count; i++) {
+        const bb_cli_row *row = &cli->rows[i];
+        if (place < row->place + bytes_of(row->option->kind) && row->place < place + bytes)
+            return true;
+    }
+    return false;
+}
+
 /* Returns what is wrong with a row; NULL: nothing. */
 static const char *fault_of(const bb_cli *cli, const bb_cli_option *o, size_t offset)
 {
+    if (o->kind == BB_CLI_END)
+        return "its value is stored nowhere";
     if (bb_cli_find(cli, o->name) != NULL || strcmp(o->name, "help") == 0)
         return "there is another of this name";
     if (cli->row_count == BB_CLI_OPTIONS_MAX)
         return "there are too many";
     if (offset + bytes_of(o->kind) > cli->command->bytes)
         return "its value lies outside of the command's struct";
+    if (is_taken(cli, offset, bytes_of(o->kind)))
+        return "another option stores its value in the same place";
     if ((o->kind == BB_CLI_FLAG) != (o->argument == NULL && o->words == NULL))
         return "a flag takes no value, and any other option takes one";
     if (o->words != NULL && o->kind != BB_CLI_U32)
         return "the number of a word needs a uint32_t";
-    if (o->high > 0 ? o->low > o->high : o->kind == BB_CLI_DOUBLE)
-        return "its range is empty";
-    if (o->needed && o->fallback != NULL)
-        return "a default is never used where the option is needed";
+    if (has_wrong_range(o))
+        return "its range is empty, or its type cannot hold it";
+    if (o->fallback != NULL && (o->needed || o->kind == BB_CLI_FLAG))
+        return "a flag has no default, nor has an option that is needed";
     return NULL;
 }
 
@@ -67,7 +93,7 @@ static bool is_replaced(const bb_command *command, const char *name)
 static bb_status add_rows(bb_cli *cli, const bb_cli_option *rows, size_t base)
 {
     const bb_command *command = cli->command;
-    for (const bb_cli_option *o = rows; o->kind != BB_CLI_END; o++) {
+    for (const bb_cli_option *o = rows; o->kind != BB_CLI_END || o->name != NULL; o++) {
         if (o->kind == BB_CLI_GROUP) {
             BB_TRY(add_rows(cli, o->group, base + o->offset));
             continue;

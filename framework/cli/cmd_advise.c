@@ -14,7 +14,7 @@
 typedef struct advising {
     bb_device_choice device;
     bb_advise_request request;
-    bb_names scenes, rays, builders, kernels, intersectors;
+    bb_names rays, builders, kernels, intersectors;
     uint64_t count, memory;
     const char *folder;
     uint32_t charts;
@@ -25,7 +25,7 @@ typedef struct advising {
 
 static const bb_cli_option options[] = {
     {"scene", "S", "file (.gltf, .glb, .obj, .ply), shipped or procedural scene",
-     BB_INTO_EACH(advising, scenes)},
+     BB_INTO(advising, request.scene), .needed = true},
     {"max-wrong-ppm", "X", "wrong rays per million that are tolerated",
      BB_INTO(advising, request.max_wrong_ppm), .high = 1e6, .fallback = "0"},
     {"rays", "R", "kinds of rays", BB_INTO(advising, rays),
@@ -119,9 +119,6 @@ static bb_status keep_options(const bb_cli *cli, char **text)
 static bb_status fill_request(advising *a)
 {
     bb_advise_request *r = &a->request;
-    if (a->scenes.count != 1)
-        return bb_fail(BB_INVALID, "advise: give one --scene: what is least depends on it");
-    r->scene = a->scenes.items[0];
     r->memory = (double)a->memory;
     r->image_rays = (double)a->count;
     r->max_views = r->quick ? 1 : 2;

@@ -261,10 +261,8 @@ static bb_status unknown_kind(const char *kind)
     bb_suggestion meant = {.word = kind};
     for (uint32_t i = 0; i < KIND_COUNT; i++)
         bb_suggest(&meant, kinds[i].name);
-    return bb_fail(BB_INVALID,
-                   "nothing is called '%s'%s: list takes builders, kernels, layouts, "
-                   "intersectors, scenes, rays, metrics, papers, axes, transfers or devices",
-                   kind, bb_suggested(&meant));
+    return bb_fail(BB_INVALID, "there is no list '%s'%s: see `bvhbench list --help`", kind,
+                   bb_suggested(&meant));
 }
 
 /* All lists, or the one that is wanted. */
@@ -331,8 +329,7 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
 extern const bb_command bb_command_list;
 const bb_command bb_command_list = {
     .name = "list",
-    .summary = "list builders, kernels, layouts, intersectors, scenes, rays, metrics, papers, "
-               "axes, devices",
+    .summary = "list what there is to choose from: builders, scenes, devices and so on",
     .arguments =
         "[builders|kernels|layouts|intersectors|scenes|rays|metrics|papers|axes|transfers|devices]",
     .options = options,

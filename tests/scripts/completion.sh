@@ -11,7 +11,11 @@ expect()
 {
     COMP_LINE=$1 COMP_POINT=${#1}
     shift
-    _bvhbench
+    _bvhbench 2>"$noise"
+    [[ ! -s $noise ]] || {
+        echo "'$COMP_LINE' prints $(<"$noise")"
+        failed=1
+    }
     local wanted found
     found=$(printf '%s\n' "${COMPREPLY[@]}" | sort -u)
     if [[ ${1:-} == +* ]]; then
@@ -32,7 +36,8 @@ expect()
 
 [[ $(complete -p bvhbench) == *"-F _bvhbench bvhbench" ]] || { echo "nothing is registered"; exit 1; }
 cd "$(mktemp -d)"
-trap 'rm -rf "$PWD"' EXIT
+noise=$(mktemp)
+trap 'rm -rf "$PWD" "$noise"' EXIT
 touch room.glb
 
 expect 'bvhbench ' +run +compare +merge +check +help +version +--help
@@ -72,4 +77,6 @@ expect 'bvhbench run --sha' --shard
 expect 'bvhbench report --history roo' room.glb
 expect 'bvhbench merge --' --out --history --help
 expect 'bvhbench nothing --x'
+expect 'bvhbench run [ x'
+expect 'bvhbench run --a/b=c'
 exit $failed
