@@ -250,6 +250,31 @@ static void builders_are_set_beside_lbvh(void **state)
     bb_results_destroy(results);
 }
 
+/* What is said of every scene is not judged where one lacks its figure. */
+static void every_scene_is_asked_for(void **state)
+{
+    (void)state;
+    const bb_paper *paper = NULL;
+    ASSERT_OK(bb_paper_find("emc", &paper));
+    for (int measured = 1; measured <= 2; measured++) {
+        bb_results *results = new_results();
+        bb_findings all[BB_EXPERIMENTS_MAX];
+        for (int s = 0; s < 2; s++) {
+            add_build(results, scenes[s], EMC_MC64, 100, 10);
+            if (s < measured)
+                add_build(results, scenes[s], EMC_SIZES, 80, 10);
+        }
+        for (int e = 0; e < BB_EXPERIMENTS_MAX; e++)
+            all[e] = findings_of(results, 0);
+        ASSERT_OK(bb_reproduction_add(paper, all, results));
+        const cJSON *r =
+            cJSON_GetArrayItem(cJSON_GetObjectItem(bb_results_json(results), "reproductions"), 0);
+        assert_string_equal(verdict_with(r, "Size bits lower the cost on every scene"),
+                            measured == 2 ? "held" : "cannot be tested here");
+        bb_results_destroy(results);
+    }
+}
+
 /* Twice the time on one scene and half on the other is no difference. */
 static void means_of_times_are_geometric(void **state)
 {
@@ -359,6 +384,7 @@ int main(void)
         cmocka_unit_test(few_rounds_decide_costs_alone),
         cmocka_unit_test(atrbvh_has_both_sides),
         cmocka_unit_test(builders_are_set_beside_lbvh),
+        cmocka_unit_test(every_scene_is_asked_for),
         cmocka_unit_test(means_of_times_are_geometric),
         cmocka_unit_test(missing_stages_are_named),
         cmocka_unit_test(missing_builders_are_left_out),

@@ -95,19 +95,20 @@ static void estimates_say_what_they_are(void **state)
 static const struct {
     const char *builder;
     double build_ms, trace_ms;
+    uint64_t bytes_peak;
 } octrees[] = {
-    {LBVH30, 10, 10},
-    {LLBVH30, 13, 9.8},
-    {LOBVH("6"), 3, 5},
-    {LOBVH("7"), 5, 5.2},
-    {LOBVH("8"), 9, 5},
-    {LOBVH("auto"), 3, 5},
-    {SMALLEST, 13, 10},
-    {LLBVH30 ",side=largest", 13, 12},
-    {LLBVH30 ",side=mean", 13, 12},
-    {LLBVH30 ",side=volume", 13, 12},
-    {SMALLEST ",fit=no", 13, 11},
-    {SMALLEST ",sizes=yes", 13, 10.5},
+    {LBVH30, 10, 10, 9},
+    {LLBVH30, 13, 9.8, 9},
+    {LOBVH("6"), 3, 5, 10},
+    {LOBVH("7"), 5, 5.2, 20},
+    {LOBVH("8"), 9, 5, 100},
+    {LOBVH("auto"), 3, 5, 10},
+    {SMALLEST, 13, 10, 9},
+    {LLBVH30 ",side=largest", 13, 12, 9},
+    {LLBVH30 ",side=mean", 13, 12, 9},
+    {LLBVH30 ",side=volume", 13, 12, 9},
+    {SMALLEST ",fit=no", 13, 11, 9},
+    {SMALLEST ",sizes=yes", 13, 10.5, 9},
 };
 
 /* Three views by both kernels, without an order and with that of each view. */
@@ -126,6 +127,9 @@ static void add_ordered(bb_results *results, const char *scene, const char *buil
     }
 }
 
+/* What level 8 takes on the second scene beside the above. */
+static uint64_t more_bytes = 0;
+
 static cJSON *reproduce_octrees(bb_results *results)
 {
     const bb_paper *paper = NULL;
@@ -136,7 +140,9 @@ static cJSON *reproduce_octrees(bb_results *results)
         for (int s = 0; s < 2; s++) {
             for (size_t i = 0; e < OF_VIEWS && i < sizeof octrees / sizeof octrees[0]; i++) {
                 const char *builder = octrees[i].builder;
-                uint32_t id = add_build(results, scenes[s], builder, 100, octrees[i].build_ms);
+                const bool more = s == 1 && strcmp(builder, LOBVH("8")) == 0;
+                uint32_t id = add_build_of(results, scenes[s], builder, 100, octrees[i].build_ms,
+                                           octrees[i].bytes_peak + (more ? more_bytes : 0));
                 add_trace_by(results, id, strstr(builder, "lobvh") != NULL ? STACKLESS : STACK,
                              "front", octrees[i].trace_ms, 30);
             }
@@ -186,6 +192,27 @@ static void enough_rounds_decide(void **state)
     /* no scene of hairs is there */
     assert_string_equal(verdict_with(r, "On hairball LOBVH is faster"), "cannot be tested here");
     bb_results_destroy(results);
+}
+
+/* Each scene has to grow by about eight times. */
+static void memory_grows_on_each_scene(void **state)
+{
+    (void)state;
+    static const struct {
+        uint64_t more;
+        const char *verdict;
+        bool levels; /* why: what the builder says */
+    } cases[] = {{0, "held", false}, {300, "not held", false}, {(uint64_t)-70, "not held", true}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        bb_results *results = new_results();
+        more_bytes = cases[i].more;
+        const cJSON *r = reproduce_octrees(results);
+        const cJSON *claim = claim_with(r, "eight times the memory");
+        assert_string_equal(text_after(claim, "verdict"), cases[i].verdict);
+        assert_true((strstr(why_of(claim), "The builder says") != NULL) == cases[i].levels);
+        bb_results_destroy(results);
+    }
+    more_bytes = 0;
 }
 
 static const char *const emc_claims_on_times[] = {"traces diffuse rays faster", "follows the cost",
@@ -247,6 +274,7 @@ int main(void)
         cmocka_unit_test(verdicts_of_several_scenes),
         cmocka_unit_test(estimates_say_what_they_are),
         cmocka_unit_test(enough_rounds_decide),
+        cmocka_unit_test(memory_grows_on_each_scene),
         cmocka_unit_test(too_few_rounds_decide_nothing),
         cmocka_unit_test(noise_decides_nothing),
     };

@@ -1,6 +1,7 @@
 /* Claims of papers, judged by figures. */
 #include "framework/papers/reproduce.h"
 
+#include <assert.h>
 #include <math.h>
 
 /* A claim at work: what it is said of, and what its tests say. */
@@ -18,6 +19,7 @@ static bool is_meant(const bb_paper_claim *claim, uint32_t row)
 static void add_element(bb_paper_series *s, bb_paper_place at, const bb_figure *figure)
 {
     bool timed;
+    assert(s->count < BB_SERIES_MAX);
     s->places[s->count] = at;
     s->each[s->count++] = bb_figure_at(at, figure, &timed);
     s->timed = s->timed || timed;
@@ -49,10 +51,9 @@ static bb_paper_series elements_of(const trial *t, const bb_figure *figure)
 /* The number of scene i in `bounds`, if there are any. */
 static double bound_of(const trial *t, const bb_test *test, bb_paper_place at, size_t i)
 {
-    bool timed;
     if (test->than != 0) {
         at.scene = NULL;
-        return bb_figure_at(at, t->claim->figures[test->than - 1], &timed).value;
+        return bb_value_at(at, t->claim->figures[test->than - 1]);
     }
     return test->paper != NULL ? test->bound * test->paper[i].numbers[0] : test->bound;
 }
@@ -85,18 +86,11 @@ static bb_claim_verdict test_more(const bb_test *test, const bb_paper_series *s)
 static bb_claim_verdict run_test(const trial *t, const bb_test *test)
 {
     const bb_paper_series s = elements_of(t, t->claim->figures[test->figure]);
-    bb_estimate e = s.mean;
     if (test->over == BB_EACH || test->over == BB_MOST_OF)
         return test_each(t, test, &s);
     if (test->over == BB_MORE)
         return test_more(test, &s);
-    if (test->over != BB_OVER_MEAN)
-        e = bb_not_measured;
-    if (test->over == BB_LEAST)
-        e.value = bb_series_least(&s);
-    if (test->over == BB_MOST)
-        e.value = bb_series_most(&s);
-    return test_at(t, test, t->at, 0, e, s.timed && test->over == BB_OVER_MEAN);
+    return test_at(t, test, t->at, 0, s.mean, s.timed);
 }
 
 static uint32_t count_of(const bb_paper_claim *claim)

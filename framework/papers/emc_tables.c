@@ -236,9 +236,8 @@ static void say_best(bb_paper_place at, bb_words *title)
     static const bb_figure *const figures[] = {&var};
     const bb_paper_entrant *best = &bb_emc_ingredients[0];
     double least = INFINITY;
-    bool timed;
     for (at.row = best; strcmp(at.row->builder, EMC_SWEEP) != 0; at.row++) {
-        const double mean = bb_figure_at(at, &ingredient, &timed).value;
+        const double mean = bb_value_at(at, &ingredient);
         best = mean < least ? at.row : best;
         least = mean < least ? mean : least;
     }

@@ -1,6 +1,7 @@
 /* Figures of papers: ratios of what was measured, and their means over scenes. */
 #include "framework/papers/figures.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -86,15 +87,15 @@ static bb_found divide(const bb_found *a, const bb_found *b, bool paired)
 }
 
 /* Of one builder at one scene, over `per`. */
-static bb_found find(const bb_paper_place *at, const bb_figure *figure, int of, const char *what,
-                     const char *builder, const char *kernel)
+static bb_found find(const bb_paper_place *at, const bb_figure *figure, int of, const char *builder,
+                     const char *kernel)
 {
     char name[256], chosen[32];
     const bb_findings *f = &at->all[of];
     const char *view = at->view >= 0 ? bb_view_name(f, at->scene, at->view) : NULL;
     bb_figure_builder(at, figure, builder, kernel, name, chosen);
     const bb_cell cell = cell_of(at, figure, name, kernel, view);
-    const bb_found found = bb_find(f, &cell, what);
+    const bb_found found = bb_find(f, &cell, figure->what);
     if (figure->per == NULL)
         return found;
     const bb_found per = bb_find(f, &cell, figure->per);
@@ -113,14 +114,12 @@ static const char *scene_before(const bb_findings *f, const char *scene)
 static bb_found find_figure(const bb_paper_place *at, const bb_figure *figure)
 {
     const bb_found none = {.number = NAN};
-    bb_found own = find(at, figure, figure->of, figure->what, figure->builder, NULL);
+    bb_found own = find(at, figure, figure->of, figure->builder, NULL);
     if (figure->base != NULL) {
-        const char *what = figure->base_what != NULL ? figure->base_what : figure->what;
         const char *kernel = figure->base_kernel != NULL ? figure->base_kernel
                              : at->row != NULL           ? at->row->base_kernel
                                                          : NULL;
-        const bb_found base =
-            find(at, figure, figure->of + figure->base_of, what, figure->base, kernel);
+        const bb_found base = find(at, figure, figure->of + figure->base_of, figure->base, kernel);
         if (own.rays != base.rays) /* not the same */
             return none;
         own = figure->inverse ? divide(&base, &own, !figure->unpaired)
@@ -130,6 +129,7 @@ static bb_found find_figure(const bb_paper_place *at, const bb_figure *figure)
         bb_paper_place before = *at;
         bb_figure same = *figure;
         same.previous = false;
+        same.scale = 0;
         before.scene = scene_before(&at->all[figure->of], at->scene);
         const bb_found base = before.scene != NULL ? find_figure(&before, &same) : none;
         own = divide(&own, &base, true);
@@ -203,8 +203,9 @@ bb_paper_series bb_figure_series(bb_paper_place at, const bb_figure *figure)
         at.scene = f->scenes[i];
         for (int v = 0; v < figure->views || v == 0; v++) {
             at.view = figure->views > 0 ? v : -1;
-            if (s.count == BB_SERIES_MAX || (figure->only != NULL && !figure->only(f, at.scene)))
+            if (figure->only != NULL && !figure->only(f, at.scene))
                 continue;
+            assert(s.count < BB_SERIES_MAX);
             const bb_found found = find_figure(&at, figure);
             s.timed = s.timed || found.rounds.count > 0;
             s.places[s.count] = at;

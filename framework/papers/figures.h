@@ -92,8 +92,8 @@ typedef struct bb_figure {
     double scale;     /* 0: 1 */
     int of;           /* the experiment, after that of the table or claim */
     const char *builder, *kernel, *rays, *phase;
-    const char *base, *base_kernel, *base_what; /* base NULL: not a ratio; the others: the same */
-    int base_of;                                /* its experiment, after `of` */
+    const char *base, *base_kernel; /* base NULL: not a ratio */
+    int base_of;                    /* its experiment, after `of` */
     bool previous; /* ratio to the same cell of the scene before; the first has none */
     bool inverse;  /* base over builder, such as of speeds */
     bool unpaired; /* ratio of medians, not round by round */
@@ -113,8 +113,8 @@ double bb_value_at(bb_paper_place at, const bb_figure *figure);
 void bb_figure_builder(const bb_paper_place *at, const bb_figure *figure, const char *pattern,
                        const char *kernel, char out[256], char chosen[32]);
 
-/* A figure of each scene, or of each of its views. */
-enum { BB_SERIES_MAX = 256 };
+/* A figure of each scene, or of each of its views: of all that an experiment may have. */
+enum { BB_SERIES_MAX = 3 * 128 };
 typedef struct bb_paper_series {
     size_t count;
     bb_paper_place places[BB_SERIES_MAX];
@@ -186,9 +186,9 @@ const char *bb_verdict_words(bb_claim_verdict verdict);
 
 /* ---- claims ---- */
 
-/* Which figure is compared: the mean, the least or most of the scenes, each scene; or how many
- * scenes are below the bound, less those that are as far above 1. */
-typedef enum bb_over { BB_OVER_MEAN, BB_LEAST, BB_MOST, BB_EACH, BB_MOST_OF, BB_MORE } bb_over;
+/* Which figure is compared: the mean of the scenes, each, or that of most; or how many scenes are
+ * below the bound, less those that are as far above 1. */
+typedef enum bb_over { BB_OVER_MEAN, BB_EACH, BB_MOST_OF, BB_MORE } bb_over;
 
 typedef struct bb_test {
     int figure; /* of the claim */

@@ -80,6 +80,8 @@ bb_found bb_find(const bb_findings *f, const bb_cell *cell, const char *columns)
         all.number += found.number;
         all.rays += found.rays;
     }
+    if (all.rounds.count > 0)
+        all.number = bb_samples_median(&all.rounds);
     return all;
 }
 

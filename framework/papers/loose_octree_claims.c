@@ -130,23 +130,22 @@ static void judge_memory(bb_paper_place at, bb_said *said)
         {.what = "bytes_peak", .builder = LOBVH("7"), .scale = MIB},
         {.what = "bytes_peak", .builder = LOBVH("8"), .scale = MIB},
     };
-    bb_estimate growth = bb_not_measured;
+    bb_claim_verdict each[BB_SERIES_MAX];
+    bool slow = false;
     for (size_t s = 0; s < at.all->scene_count; s++) {
         double peak_of[3];
-        bool timed;
         at.scene = at.all->scenes[s];
         for (int i = 0; i < 3; i++)
-            peak_of[i] = bb_figure_at(at, &peaks[i], &timed).value;
-        const double here = (peak_of[2] - peak_of[1]) / (peak_of[1] - peak_of[0]);
+            peak_of[i] = bb_value_at(at, &peaks[i]);
+        const bb_estimate growth = {.value = (peak_of[2] - peak_of[1]) / (peak_of[1] - peak_of[0])};
+        each[s] = bb_verdict_at(growth, false, BB_WITHIN, 6, 10);
+        slow = slow || growth.value < 6;
         bb_say(&said->ours, "%s%s: peaks of %.0f, %.0f and %.0f MiB, steps that grow %.1f times",
-               s > 0 ? "; " : "", at.scene, peak_of[0], peak_of[1], peak_of[2], here);
-        growth.value = s == 0 ? here : fmin(growth.value, here);
+               s > 0 ? "; " : "", at.scene, peak_of[0], peak_of[1], peak_of[2], growth.value);
     }
-    if (growth.value < 6)
+    if (slow)
         say_levels(at, &said->why);
-    const bb_claim_verdict both[] = {bb_verdict_at(growth, false, BB_AT_LEAST, 6, 0),
-                                     bb_verdict_at(growth, false, BB_AT_MOST, 10, 0)};
-    said->verdict = bb_all(both, 2);
+    said->verdict = bb_all(each, at.all->scene_count);
 }
 
 /* Why another size traces faster: tests per ray, and where the two put the primitives. */
@@ -159,10 +158,9 @@ static void say_other_sizes(bb_paper_place at, bb_said *said)
     static const bb_figure *const figures[] = {&over[0], &over[1], &over[2], &over[3]};
     for (int i = 1; i <= 3; i++)
         for (size_t s = 0; s < at.all->scene_count; s++) {
-            bool timed;
             at.row = &bb_box_sizes[i];
             at.scene = at.all->scenes[s];
-            if (!(bb_figure_at(at, figures[0], &timed).value < 0.98))
+            if (!(bb_value_at(at, figures[0]) < 0.98))
                 continue;
             bb_say(&said->why, "%s", said->why.length > 0 ? "; " : "");
             bb_say_text(&said->why,
@@ -210,7 +208,7 @@ const bb_paper_claim bb_loose_octree_claims[] = {
      .why = {{.each = true,
               .text = "{scene}: {2.0} nodes on level 6 and {3.0} on level 7, {4%0} box tests and "
                       "{5%0} primitive tests per ray"}}},
-    {.text = "Each further level takes eight times the memory (4.1)",
+    {.text = "Each further level takes eight times the memory (held from 6 to 10 times) (4.1)",
      .paper = "8 times, about 400 MB at level 7",
      .judge = judge_memory},
     {.text = "On spheres LOBVH of level 6 needs less memory than the binary trees (4.1)",

@@ -35,15 +35,15 @@ static void put_numbers(bb_table *table, uint32_t row, const bb_entry *entry,
     }
 }
 
-static void add_scene(bb_table *table, const bb_entry *scene, const char *name)
+static void add_scene(bb_table *table, const bb_entry *scene)
 {
     const cJSON *view;
-    put_numbers(table, bb_table_row(table, (bb_cell){{[BB_SCENE] = name}}), scene, of_scenes,
-                OF_SCENES);
+    bb_cell cell = {{[BB_SCENE] = bb_get_text(scene, BB_F_SCENE_NAME)}};
+    put_numbers(table, bb_table_row(table, cell), scene, of_scenes, OF_SCENES);
     cJSON_ArrayForEach(view, bb_get(scene, BB_F_SCENE_VIEWS))
     {
-        bb_table_row(table,
-                     (bb_cell){{[BB_SCENE] = name, [BB_FRAME] = cJSON_GetStringValue(view)}});
+        cell.names[BB_FRAME] = cJSON_GetStringValue(view);
+        bb_table_row(table, cell);
     }
 }
 
@@ -84,22 +84,18 @@ static void add_trace(bb_table *table, const bb_entry *trace)
         bb_table_set_rounds(table, row, &trace_ms, &rounds);
 }
 
-static bool is_between(const bb_entry *entry, bb_field_id id, uint32_t first, uint32_t end)
+static bool is_of(const bb_entry *entry, bb_field_id id, uint32_t first)
 {
-    const double number = bb_get_number(entry, id);
-    return number >= first && number < end && bb_is_ok(entry);
+    return bb_get_number(entry, id) >= first && bb_is_ok(entry);
 }
 
-bb_status bb_paper_measured(const bb_results *results, uint32_t first, uint32_t end,
-                            const bb_findings *f)
+bb_status bb_paper_measured(const bb_results *results, uint32_t first, bb_table *table)
 {
-    for (size_t s = 0; s < f->scene_count; s++)
-        add_scene(f->table, bb_results_scene(results, f->scenes[s]), f->scenes[s]);
-    bb_each(build, bb_results_section(results, BB_BUILDS)) if (is_between(build, BB_F_BUILD_ID,
-                                                                          first, end))
-        add_build(f->table, build);
-    bb_each(trace, bb_results_section(results, BB_TRACES)) if (is_between(trace, BB_F_TRACE_BUILD,
-                                                                          first, end))
-        add_trace(f->table, trace);
-    return bb_table_status(f->table);
+    bb_each(scene, bb_results_section(results, BB_SCENES)) add_scene(table, scene);
+    bb_each(build, bb_results_section(results, BB_BUILDS)) if (is_of(build, BB_F_BUILD_ID, first))
+        add_build(table, build);
+    bb_each(trace,
+            bb_results_section(results, BB_TRACES)) if (is_of(trace, BB_F_TRACE_BUILD, first))
+        add_trace(table, trace);
+    return bb_table_status(table);
 }

@@ -173,11 +173,10 @@ static double worst_other_order(bb_paper_place at, const bb_figure *figure)
     static const char *const others[] = {"$,view=0", "$,view=1", "$,view=2"};
     double worst = NAN;
     for (int v = 0; v < VIEWS; v++) {
-        bool timed;
         bb_figure other = *figure;
         other.base = others[v];
         if (v != at.view)
-            worst = fmin(worst, bb_figure_at(at, &other, &timed).value);
+            worst = fmin(worst, bb_value_at(at, &other));
     }
     return worst;
 }

@@ -1,6 +1,7 @@
 /* A paper's experiments, run one after the other as ordinary comparisons into one document. */
 #include "framework/papers/reproduce.h"
 
+#include "framework/base/steering.h"
 #include "framework/builder/instance.h"
 #include "framework/builder/registry.h"
 
@@ -234,7 +235,7 @@ static bb_status run(const bb_reproduce_request *request, const bb_experiment *e
     BB_TRY(run_experiment(p, results, outcome));
     for (size_t s = 0; s < p->scenes.count; s++)
         BB_TRY(bb_paper_add_scene(f, p->scenes.items[s]));
-    return bb_paper_measured(results, first, bb_results_next_build(results), f);
+    return bb_paper_measured(results, first, f->table);
 }
 
 uint32_t bb_paper_rounds(const bb_reproduce_request *request, uint32_t usual)
@@ -248,7 +249,7 @@ bb_status bb_paper_add_scene(bb_findings *f, const char *name)
     if (scenes == NULL)
         return bb_fail(BB_REFUSED, "reproduce: no memory");
     f->scenes = scenes;
-    scenes[f->scene_count] = strdup(name);
+    scenes[f->scene_count] = bb_utf8_text(name); /* as tables have it */
     return scenes[f->scene_count++] != NULL ? BB_OK : bb_fail(BB_REFUSED, "reproduce: no memory");
 }
 

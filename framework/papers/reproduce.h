@@ -92,15 +92,14 @@ bb_status bb_reproduction_add(const bb_paper *paper, const bb_findings *findings
 /* Prints the reproductions of the document: tables, then claims. */
 bb_status bb_reproduction_print(const bb_results *results, FILE *out);
 
-/* Adds what a comparison measured to the table of `f`: builds with ids in [first, end), and the
- * scenes that `f` names. */
-bb_status bb_paper_measured(const bb_results *results, uint32_t first, uint32_t end,
-                            const bb_findings *f);
+/* Adds what a comparison measured to the table: builds with ids from `first` on, all scenes. */
+bb_status bb_paper_measured(const bb_results *results, uint32_t first, bb_table *table);
+
 /* ---- for measure() ---- */
 
 /* Rounds that are asked for; `usual` if none are. */
 uint32_t bb_paper_rounds(const bb_reproduce_request *request, uint32_t usual);
-/* Adds a scene to what was measured. */
+/* Adds a scene to what was measured; a byte of its name that is no UTF-8 becomes %XX. */
 bb_status bb_paper_add_scene(bb_findings *f, const char *name);
 
 /* Fills tables and judges claims. */

@@ -153,8 +153,7 @@ static bool has_mean(const bb_paper_column *column)
 static void add_row(const filling *t, bb_paper_place at)
 {
     const bb_paper_table *table = t->table;
-    bool timed;
-    if (at.row != NULL && at.row->optional && isnan(bb_figure_at(at, table->needs, &timed).value))
+    if (at.row != NULL && at.row->optional && isnan(bb_value_at(at, table->needs)))
         return;
     bb_paper_row(t->out);
     for (const bb_paper_column *c = table->columns; c->heading != NULL; c++)

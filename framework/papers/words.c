@@ -107,10 +107,9 @@ static void say_figure(bb_words *words, const char *format, bb_paper_place at,
         bb_figure_builder(&at, figure, figure->builder, NULL, builder, chosen);
         bb_say(words, "%s", chosen);
     } else if (format[0] == '.') {
-        bb_say(words, "%.*f", atoi(format + 1), bb_figure_at(at, figure, &timed).value);
+        bb_say(words, "%.*f", atoi(format + 1), bb_value_at(at, figure));
     } else if (format[0] == '%') {
-        bb_say(words, "%+.*f %%", atoi(format + 1),
-               100 * (bb_figure_at(at, figure, &timed).value - 1));
+        bb_say(words, "%+.*f %%", atoi(format + 1), 100 * (bb_value_at(at, figure) - 1));
     } else {
         bb_say_estimate(words, bb_figure_at(at, figure, &timed));
     }
