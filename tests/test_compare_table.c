@@ -190,6 +190,78 @@ static void files_of_tables_are_compared(void **state)
     refuses("", "compare a.json device.json", "another card");
 }
 
+/* In a file of another program members may stand in another order; a file that only speaks of tables
+ * is none. */
+static void tables_are_told_from_results(void **state)
+{
+    (void)state;
+    char path[600];
+    const char *sorted = "{\"columns\": [], \"command\": \"slice\", \"rows\": [],\n"
+                         " \"schema\" : \"bvhbench-table/1\"}";
+    const char *other =
+        "{\"schema\":\"other\",\"text\":\"\\\"schema\\\":\\\"bvhbench-table/1\\\"\"}";
+    write_file("sorted.json", sorted, strlen(sorted));
+    write_file("other.json", other, strlen(other));
+    snprintf(path, sizeof path, "%s/sorted.json", folder);
+    assert_true(bb_table_is_file(path));
+    snprintf(path, sizeof path, "%s/other.json", folder);
+    assert_false(bb_table_is_file(path));
+    assert_false(bb_table_is_file("/nowhere"));
+}
+
+/* Every command that writes a table appends it, at once or later; what it wrote compares with
+ * itself, and a change of it is found. */
+static void commands_write_what_is_compared(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name, *arguments;
+    } commands[] = {
+        {"slice", "slice --scene tets:side=2 --builder lbvh --size 8x8 --slices 2 --repeats 1"},
+        {"overlap", "overlap tets:side=2 tets:side=2 --builder lbvh --repeats 1"},
+        {"volume", "volume --scene nbody:n=8 --builder vlbvh --size 8x8 --repeats 1 --brief"},
+        {"stress", "stress --axis nan --builder lbvh --quick --no-pictures"},
+    };
+    for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++) {
+        char arguments[512], file[64];
+        snprintf(file, sizeof file, "%s/%s.json", commands[i].name, commands[i].name);
+        snprintf(arguments, sizeof arguments, "%s --quiet --out %s --history all.db",
+                 commands[i].arguments, commands[i].name);
+        expect(0, arguments, "");
+        snprintf(arguments, sizeof arguments, "compare %s %s", file, file);
+        expect(0, arguments, "nothing is worse");
+        cJSON *table = read_results(file), *row, *changed = NULL;
+        cJSON_ArrayForEach(row, cJSON_GetObjectItem(table, "rows"))
+        {
+            const char *const figures[] = {"nodes", "tree_bytes", "checked", "bytes"};
+            for (size_t f = 0; f < 4 && changed == NULL; f++)
+                changed = cJSON_GetObjectItem(row, "revision") == NULL
+                              ? cJSON_GetObjectItem(row, figures[f])
+                              : NULL;
+        }
+        assert_non_null(changed);
+        cJSON_SetNumberValue(changed, changed->valuedouble + 1);
+        char *text = cJSON_PrintUnformatted(table);
+        write_file("changed.json", text, strlen(text));
+        snprintf(arguments, sizeof arguments, "compare %s changed.json", file);
+        const outcome *o = run(arguments);
+        if (strstr(o->out, changed->string) == NULL)
+            fail_msg("%s: a changed %s is not found: %s%s", commands[i].name, changed->string,
+                     o->out, o->err);
+        cJSON_free(text);
+        cJSON_Delete(table);
+        snprintf(arguments, sizeof arguments, "merge %s --history later.db", file);
+        expect(0, arguments, "");
+        snprintf(arguments, sizeof arguments, "merge %s --out m", file);
+        refuses("", arguments, "is a table, which has no shards");
+    }
+    expect(0, "report --history all.db --out all.html", "4 runs");
+    expect(0, "report --history later.db --out later.html", "4 runs");
+    refuses("",
+            "slice --scene tets:side=2 --builder lbvh --size 8x8 --history /nowhere/a.db --quiet",
+            "/nowhere/a.db");
+}
+
 static void damaged_tables_are_refused(void **state)
 {
     (void)state;
@@ -207,6 +279,8 @@ int main(void)
         cmocka_unit_test(rows_become_cells),
         cmocka_unit_test(the_history_keeps_tables),
         cmocka_unit_test(files_of_tables_are_compared),
+        cmocka_unit_test(tables_are_told_from_results),
+        cmocka_unit_test(commands_write_what_is_compared),
         cmocka_unit_test(damaged_tables_are_refused),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);

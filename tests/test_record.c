@@ -12,12 +12,15 @@
 
 /* ---- schema ---- */
 
-static const char *const context_fields[] = {
-    "date",         "revision", "host",        "cpu",
-    "load_1",       "device",   "driver",      "opencl",
-    "seed",         "kernels",  "build_flags", "command",
-    "float_config", "embree",   "handover",    "litmus_messages",
-    "litmus_stale", NULL};
+static const char *const context_fields[] = {"date",         "revision",
+                                             "host",         "cpu",
+                                             "load_1",       "device",
+                                             "driver",       "opencl",
+                                             "seed",         "kernels",
+                                             "build_flags",  "command",
+                                             "float_config", "embree_version",
+                                             "handover",     "litmus_messages",
+                                             "litmus_stale", NULL};
 static const char *const scene_fields[] = {"name", "kind",    "prims", "bounds",
                                            "hash", "profile", NULL};
 static const char *const build_fields[] = {
@@ -114,7 +117,8 @@ static void context_describes_the_machine(void **state)
                         "inf_nan round_to_nearest fma");
     int major = 0, minor, patch;
     assert_int_equal(
-        sscanf(member(context, "embree")->valuestring, "%d.%d.%d", &major, &minor, &patch), 3);
+        sscanf(member(context, "embree_version")->valuestring, "%d.%d.%d", &major, &minor, &patch),
+        3);
     assert_in_range(major, 3, 4);
     assert_string_equal(member(context, "embree_api")->valuestring, "rtcIntersect1/rtcOccluded1");
     bb_results_destroy(results);

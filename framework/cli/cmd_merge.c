@@ -30,8 +30,7 @@ typedef struct merging {
 static const bb_cli_option options[] = {
     {"out", "DIR", "folder for results.json, report.html and pictures; with several files: needed",
      BB_INTO(merging, out)},
-    {"history", "DB", "append the run to this database (SQLite; made if there is none)",
-     BB_INTO(merging, history)},
+    BB_HISTORY_OPTION(merging, history),
     {.name = NULL},
 };
 
@@ -156,12 +155,29 @@ static bb_status merge(const bb_cli *cli, merging *m)
     return m->history != NULL ? bb_output_append(m->history, parts[0].results) : BB_OK;
 }
 
+/* A table is a whole run: only the history can take it. */
+static bb_status append_table(const merging *m, const char *path)
+{
+    bb_table *table;
+    if (m->out != NULL || m->history == NULL)
+        return bb_fail(BB_INVALID,
+                       "merge: %.200s is a table, which has no shards: give --history alone", path);
+    BB_TRY(bb_table_read(path, &table));
+    bb_status status = bb_output_append_table(m->history, table);
+    bb_table_free(table);
+    return status;
+}
+
 static bb_status run(const bb_cli *cli, void *values, int *exit_status)
 {
     merging *m = values;
+    char path[PATH_MAX];
     const uint32_t count = cli->positional_count;
     if (count == 0)
         return bb_fail(BB_INVALID, "merge: give the result files of shards, or their folders");
+    BB_TRY(bb_input_path(cli->positional[0], path));
+    if (count == 1 && bb_table_is_file(path))
+        return append_table(m, path);
     if (m->out == NULL && (count > 1 || m->history == NULL))
         return bb_fail(BB_INVALID, "merge: --out DIR says where the merged run goes");
     BB_TRY(bb_inputs_once(cli));
@@ -194,7 +210,9 @@ const bb_command bb_command_merge = {
         "A folder stands for its results.json. The shards must be of one program, device and "
         "seed,\n"
         "and no cell may be in two of them. Exit status 1: shards are missing; what is there is\n"
-        "merged. With one file and --history, appends a run that is there already.\n"
+        "merged. With one file and --history, appends a run that is there already, or a table: "
+        "the\n"
+        "file of slice, overlap, volume or stress.\n"
         "\n"
         "GNU parallel, on this machine one at a time (times need an idle machine), or on several:\n"
         "  parallel -j 1 bvhbench run --shard {}/4 --out out/shard-{} ::: 1 2 3 4\n"

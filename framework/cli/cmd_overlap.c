@@ -2,6 +2,7 @@
 #include "framework/base/interrupt.h"
 #include "framework/cli/contest_output.h"
 #include "framework/cli/inputs.h"
+#include "framework/cli/output.h"
 #include "framework/device/device_private.h"
 #include "framework/overlap/overlap_contest.h"
 #include "framework/scene/tets_gather.h"
@@ -35,6 +36,7 @@ static const bb_cli_option options[] = {
     {"out", "DIR",
      "folder for overlap.json, overlap.html and pictures of what does not overlap; default: none",
      BB_INTO(job, choice.out)},
+    BB_HISTORY_OPTION(job, choice.history),
     BB_QUIET_OPTION(job, request.quiet),
     {.name = NULL},
 };

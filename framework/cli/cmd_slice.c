@@ -2,6 +2,7 @@
 #include "framework/base/interrupt.h"
 #include "framework/cli/contest_output.h"
 #include "framework/cli/inputs.h"
+#include "framework/cli/output.h"
 #include "framework/device/device_private.h"
 #include "framework/picture/exr.h"
 #include "framework/slice/slice_contest.h"
@@ -42,6 +43,7 @@ static const bb_cli_option options[] = {
     {"out", "DIR",
      "folder for slice.json, slice.html, and a PNG and an EXR of each slice; default: none",
      BB_INTO(job, choice.out)},
+    BB_HISTORY_OPTION(job, choice.history),
     BB_QUIET_OPTION(job, request.quiet),
     {.name = NULL},
 };

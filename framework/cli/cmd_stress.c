@@ -1,11 +1,10 @@
 /* bvhbench stress: where methods fail. */
-#include "framework/base/file.h"
 #include "framework/base/identity.h"
 #include "framework/base/interrupt.h"
-#include "framework/base/json.h"
 #include "framework/builder/registry.h"
 #include "framework/cli/choice.h"
 #include "framework/cli/out_option.h"
+#include "framework/cli/output.h"
 #include "framework/report/report.h"
 #include "framework/stress/stress.h"
 #include "traversal/traversal.h"
@@ -19,6 +18,7 @@
 typedef struct wanted {
     bb_device_choice device;
     bb_names axes, builders, kernels, intersectors;
+    const char *history;
     bb_stress_request request;
     uint32_t seconds;
     bool no_pictures;
@@ -44,6 +44,7 @@ static const bb_cli_option options[] = {
     {"out", "DIR", "folder for stress.json, stress.html and pictures",
      BB_INTO(wanted, request.folder), .fallback = "out"},
     {"no-pictures", NULL, "make no pictures", BB_INTO(wanted, no_pictures)},
+    BB_HISTORY_OPTION(wanted, history),
     BB_QUIET_OPTION(wanted, request.quiet),
     {.name = NULL},
 };
@@ -146,7 +147,7 @@ static bb_status open_device(void *user, bb_device **device)
     return bb_open_device(user, device);
 }
 
-static bb_status write_all(const bb_cli *cli, const bb_stress *stress)
+static bb_status write_all(const bb_cli *cli, const char *history, const bb_stress *stress)
 {
     char path[1200];
     bb_table *atlas;
@@ -157,17 +158,20 @@ static bb_status write_all(const bb_cli *cli, const bb_stress *stress)
     snprintf(path, sizeof path, "%s/stress.html", stress->request->folder);
     if (status == BB_OK)
         status = bb_report_atlas(atlas, stress->request->folder, path);
+    if (status == BB_OK && history != NULL)
+        status = bb_output_append_table(history, atlas);
     bb_table_free(atlas);
     return status;
 }
 
-static bb_status stress(const bb_cli *cli, const bb_stress_request *request, int *exit_status)
+static bb_status stress(const bb_cli *cli, const char *history, const bb_stress_request *request,
+                        int *exit_status)
 {
     bb_stress found;
     bb_interrupt_catch();
     bb_status status = bb_stress_run(request, &found);
     if (status == BB_OK)
-        status = write_all(cli, &found);
+        status = write_all(cli, history, &found);
     if (status == BB_OK)
         status = bb_atlas_print(&found, stdout);
     if (status == BB_OK && !request->quiet)
@@ -198,7 +202,9 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
     r->user = &w->device;
     BB_TRY(bb_stress_check(r));
     BB_TRY(bb_out_folder(r->folder));
-    return stress(cli, r, exit_status);
+    if (w->history != NULL)
+        BB_TRY(bb_output_append_table(w->history, NULL));
+    return stress(cli, w->history, r, exit_status);
 }
 
 extern const bb_command bb_command_stress;

@@ -3,6 +3,7 @@
 #include "framework/base/number.h"
 #include "framework/cli/contest_output.h"
 #include "framework/cli/inputs.h"
+#include "framework/cli/output.h"
 #include "framework/device/device_private.h"
 #include "framework/dvr/dvr.h"
 
@@ -58,6 +59,7 @@ static const bb_cli_option options[] = {
     BB_GROUP(bb_contest_options, job, choice),
     {"out", "DIR", "folder for volume.json, volume.html and PNG pictures; default: none",
      BB_INTO(job, choice.out)},
+    BB_HISTORY_OPTION(job, choice.history),
     BB_QUIET_OPTION(job, request.quiet),
     {.name = NULL},
 };

@@ -10,7 +10,8 @@
 /* The values that these commands share. */
 typedef struct bb_contest_choice {
     bb_device_choice device;
-    const char *out; /* folder; NULL: nothing is written */
+    const char *out;     /* folder; NULL: nothing is written */
+    const char *history; /* database; NULL: none */
     bool json;
 } bb_contest_choice;
 

@@ -1,5 +1,7 @@
 #include "framework/cli/contest_output.h"
 
+#include "framework/cli/output.h"
+
 #include "framework/base/file.h"
 #include "framework/base/interrupt.h"
 #include "framework/cli/inputs.h"
@@ -11,6 +13,8 @@
 
 bb_status bb_contest_output_begin(bb_contest_output *output, const bb_device *device, uint64_t seed)
 {
+    if (output->choice->history != NULL)
+        BB_TRY(bb_output_append_table(output->choice->history, NULL));
     BB_TRY(bb_table_create(output->outline->command, &output->table));
     bb_run_row(output->table, device, seed, output->command_line);
     return bb_table_status(output->table);
@@ -94,7 +98,9 @@ bb_status bb_contest_output_end(bb_contest_output *output, bb_status status, boo
 {
     char why[1024];
     snprintf(why, sizeof why, "%s", status != BB_OK ? bb_message() : "");
-    const bb_status written = write_all(output);
+    bb_status written = write_all(output);
+    if (status == BB_OK && written == BB_OK && output->choice->history != NULL)
+        written = bb_output_append_table(output->choice->history, output->table);
     *wrong = output->table != NULL && bb_outline_wrong(output->outline, output->table) > 0;
     bb_table_free(output->table);
     output->table = NULL;

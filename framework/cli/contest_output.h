@@ -30,7 +30,8 @@ void bb_contest_output_name(const bb_contest_output *output, char *name, size_t 
 bb_status bb_contest_output_scene(bb_contest_output *output);
 
 /* Prints JSON and writes NAME.json and NAME.html, which keep what was measured before `status`, a
- * failure; *wrong: whether answers are. Frees the table. Returns the first failure. */
+ * failure; a whole run is appended to the history. *wrong: whether answers are. Frees the table.
+ * Returns the first failure. */
 bb_status bb_contest_output_end(bb_contest_output *output, bb_status status, bool *wrong);
 
 #endif

@@ -110,6 +110,16 @@ bb_status bb_output_append(const char *database, const bb_results *results)
     return status;
 }
 
+bb_status bb_output_append_table(const char *database, const bb_table *table)
+{
+    bb_history *history = NULL;
+    bb_status status = bb_history_open(database, true, &history);
+    if (status == BB_OK && table != NULL)
+        status = bb_history_append_table(history, table);
+    bb_history_close(history);
+    return status;
+}
+
 /* After the results: what can't be appended now can be later. */
 static bb_status append_history(const bb_comparison *c, const bb_results *results, const char *json)
 {

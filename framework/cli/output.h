@@ -34,5 +34,13 @@ bb_status bb_output_compare(const bb_comparison *comparison, int *exit_status);
 
 /* Appends the run to the database, which is made if there is none. */
 bb_status bb_output_append(const char *database, const bb_results *results);
+/* The same of a table; NULL: it only finds out whether the history can be written. */
+bb_status bb_output_append_table(const char *database, const bb_table *table);
+
+#define BB_HISTORY_OPTION(type, member)                                                            \
+    {                                                                                              \
+        "history", "DB", "append the run to this database (SQLite; made if there is none)",        \
+            BB_INTO(type, member)                                                                  \
+    }
 
 #endif

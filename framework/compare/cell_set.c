@@ -140,28 +140,39 @@ static bb_status add_entry(bb_cell_set *set, const bb_results *results, const bb
     return add_metrics(cell, entry);
 }
 
-static void read_origin(const bb_results *results, const char *what, bb_origin *origin)
+/* A text that the run says of itself, of a document or else of a table. */
+typedef const char *text_fn(const void *from, const char *name);
+
+static const char *text_of_results(const void *from, const char *name)
 {
-    const bb_entry *context = bb_results_context(results);
+    return bb_json_text(bb_results_context(from), name);
+}
+
+static const char *text_of_table(const void *from, const char *name)
+{
+    return bb_table_get_text(from, bb_table_find(from, (bb_cell){{NULL}}), name);
+}
+
+static void read_origin(const void *from, text_fn *text, const char *what, bb_origin *origin)
+{
     copy(origin->what, sizeof origin->what, what);
-    copy(origin->date, sizeof origin->date, bb_get_text(context, BB_F_CONTEXT_DATE));
-    copy(origin->revision, sizeof origin->revision, bb_get_text(context, BB_F_CONTEXT_REVISION));
-    copy(origin->host, sizeof origin->host, bb_get_text(context, BB_F_CONTEXT_HOST));
-    copy(origin->cpu, sizeof origin->cpu, bb_get_text(context, BB_F_CONTEXT_CPU));
-    copy(origin->device, sizeof origin->device, bb_get_text(context, BB_F_CONTEXT_DEVICE));
-    copy(origin->device_type, sizeof origin->device_type,
-         bb_get_text(context, BB_F_CONTEXT_DEVICE_TYPE));
-    copy(origin->driver, sizeof origin->driver, bb_get_text(context, BB_F_CONTEXT_DRIVER));
-    copy(origin->embree, sizeof origin->embree, bb_get_text(context, BB_F_CONTEXT_EMBREE));
-    copy(origin->shard, sizeof origin->shard, bb_get_text(context, BB_F_CONTEXT_SHARD));
-    origin->interrupted = bb_get_true(context, BB_F_CONTEXT_INTERRUPTED);
-    copy(origin->seed, sizeof origin->seed, bb_get_text(context, BB_F_CONTEXT_SEED));
+    copy(origin->date, sizeof origin->date, text(from, "date"));
+    copy(origin->revision, sizeof origin->revision, text(from, "revision"));
+    copy(origin->host, sizeof origin->host, text(from, "host"));
+    copy(origin->cpu, sizeof origin->cpu, text(from, "cpu"));
+    copy(origin->device, sizeof origin->device, text(from, "device"));
+    copy(origin->device_type, sizeof origin->device_type, text(from, "device_type"));
+    copy(origin->driver, sizeof origin->driver, text(from, "driver"));
+    copy(origin->embree, sizeof origin->embree, text(from, "embree_version"));
+    copy(origin->seed, sizeof origin->seed, text(from, "seed"));
+    copy(origin->shard, sizeof origin->shard, text(from, "shard"));
 }
 
 bb_status bb_cell_set_of_results(const bb_results *results, const char *what, bb_cell_set *set)
 {
     memset(set, 0, sizeof *set);
-    read_origin(results, what, &set->origin);
+    read_origin(results, text_of_results, what, &set->origin);
+    set->origin.interrupted = bb_get_true(bb_results_context(results), BB_F_CONTEXT_INTERRUPTED);
     bb_each(entry, bb_results_section(results, BB_BUILDS))
     {
         if (!bb_get_true(entry, BB_F_BUILD_UNMEASURED))
@@ -176,23 +187,6 @@ bb_status bb_cell_set_of_results(const bb_results *results, const char *what, bb
 }
 
 /* ---- from a table ---- */
-
-static void set_origin(const bb_table *table, const char *what, bb_origin *origin)
-{
-    const uint32_t run = bb_table_find(table, (bb_cell){{NULL}});
-    copy(origin->what, sizeof origin->what, what);
-    copy(origin->date, sizeof origin->date, bb_table_get_text(table, run, "date"));
-    copy(origin->revision, sizeof origin->revision, bb_table_get_text(table, run, "revision"));
-    copy(origin->host, sizeof origin->host, bb_table_get_text(table, run, "host"));
-    copy(origin->cpu, sizeof origin->cpu, bb_table_get_text(table, run, "cpu"));
-    copy(origin->device, sizeof origin->device, bb_table_get_text(table, run, "device"));
-    copy(origin->device_type, sizeof origin->device_type,
-         bb_table_get_text(table, run, "device_type"));
-    copy(origin->driver, sizeof origin->driver, bb_table_get_text(table, run, "driver"));
-    copy(origin->embree, sizeof origin->embree, bb_table_get_text(table, run, "embree"));
-    copy(origin->seed, sizeof origin->seed, bb_table_get_text(table, run, "seed"));
-    origin->interrupted = strcmp(bb_table_get_text(table, run, "interrupted"), "yes") == 0;
-}
 
 /* A cell of the row; `time` is the column of its times, or NULL. */
 static bb_status add_row(bb_cell_set *set, const bb_table *table, uint32_t row,
@@ -253,7 +247,8 @@ bb_status bb_cell_set_of_table(const bb_table *table, const char *what, bb_cell_
 {
     const uint32_t run = bb_table_find(table, (bb_cell){{NULL}});
     memset(set, 0, sizeof *set);
-    set_origin(table, what, &set->origin);
+    read_origin(table, text_of_table, what, &set->origin);
+    set->origin.interrupted = strcmp(text_of_table(table, "interrupted"), "yes") == 0;
     for (uint32_t row = 0; row < bb_table_row_count(table); row++) {
         if (row == run)
             continue;

@@ -12,19 +12,20 @@
 /* Generated at build time. */
 extern const char bb_build_revision[], bb_build_version[], bb_build_flags[];
 
-#define COLUMN(id, kind, name, heading, help)                                                      \
-    const bb_column id = {name,           heading,           "", help, BB_COLUMN_##kind,           \
-                          BB_SENSE_EXACT, BB_BETTER_NEITHER, -1}
+#define COLUMN_OF(sense, id, kind, name, heading, help)                                            \
+    const bb_column id = {name, heading, "", help, BB_COLUMN_##kind, sense, BB_BETTER_NEITHER, -1}
+#define COLUMN(...) COLUMN_OF(BB_SENSE_EXACT, __VA_ARGS__)
+#define COLUMN_OF_CLOCKS(...) COLUMN_OF(BB_SENSE_TIMED, __VA_ARGS__)
 
-static COLUMN(date, TEXT, "date", "Date", "When the run began, UTC.");
+static COLUMN_OF_CLOCKS(date, TEXT, "date", "Date", "When the run began, UTC.");
 static COLUMN(revision, TEXT, "revision", "Revision", "The program's revision.");
 static COLUMN(version, TEXT, "version", "Version", "The program's version.");
 COLUMN(bb_run_host, TEXT, "host", "Host", "The machine's name.");
 static COLUMN(cpu, TEXT, "cpu", "Processor", "The machine's processor.");
 static COLUMN(threads, NUMBER, "cpu_threads", "Threads", "Of the processor.");
-static COLUMN(load_1, NUMBER, "load_1", "Load, 1 min", "Before the run.");
-static COLUMN(load_5, NUMBER, "load_5", "Load, 5 min", "Before the run.");
-static COLUMN(load_15, NUMBER, "load_15", "Load, 15 min", "Before the run.");
+static COLUMN_OF_CLOCKS(load_1, NUMBER, "load_1", "Load, 1 min", "Before the run.");
+static COLUMN_OF_CLOCKS(load_5, NUMBER, "load_5", "Load, 5 min", "Before the run.");
+static COLUMN_OF_CLOCKS(load_15, NUMBER, "load_15", "Load, 15 min", "Before the run.");
 COLUMN(bb_run_device, TEXT, "device", "Device", "The OpenCL device.");
 static COLUMN(type, TEXT, "device_type", "Device type", "CPU, or GPU for all other devices.");
 COLUMN(bb_run_driver, TEXT, "driver", "Driver", "The OpenCL driver's version.");

@@ -59,7 +59,7 @@ FIELD(CONTEXT_COMPILE, CONTEXT, "compile_ms", "ms", NUMBER | NONE, LATER, AS_FIG
 FIELD(CONTEXT_CACHE, CONTEXT, "kernel_cache", "", TEXT | NONE, LATER, AS_TEXT, "Kernel cache",
       "cold: compiled again, the slowest program takes less than a third of the time; warm: it "
       "does not, so it came from the driver's cache, or there is none")
-FIELD(CONTEXT_EMBREE, CONTEXT, "embree", "", TEXT | NONE, LATER, AS_TEXT, "Embree", NULL)
+FIELD(CONTEXT_EMBREE, CONTEXT, "embree_version", "", TEXT | NONE, LATER, AS_TEXT, "Embree", NULL)
 FIELD(CONTEXT_EMBREE_API, CONTEXT, "embree_api", "", TEXT | NONE, LATER, AS_TEXT, "Embree's calls",
       NULL)
 FIELD(CONTEXT_FLAGS, CONTEXT, "build_flags", "", TEXT | NONE, LATER, AS_TEXT,

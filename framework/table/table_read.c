@@ -303,13 +303,19 @@ bb_status bb_table_read(const char *path, bb_table **out)
     return status;
 }
 
+/* The members of a file may come in any order. */
 bool bb_table_is_file(const char *path)
 {
-    char start[256];
-    FILE *file = fopen(path, "rb");
-    const size_t size = file != NULL ? fread(start, 1, sizeof start - 1, file) : 0;
-    if (file != NULL)
-        fclose(file);
-    start[size] = '\0';
-    return strstr(start, "\"bvhbench-table/") != NULL;
+    char *text;
+    size_t size;
+    bool found = false;
+    if (bb_file_read(path, TABLE_BYTES_MAX, "table", &text, &size) != BB_OK)
+        return false;
+    for (const char *at = text; !found && (at = strstr(at, "\"schema\"")) != NULL;) {
+        at += strlen("\"schema\"");
+        at += strspn(at, " \t\r\n:");
+        found = strncmp(at, "\"bvhbench-table/", 16) == 0;
+    }
+    free(text);
+    return found;
 }

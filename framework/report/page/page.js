@@ -20,12 +20,12 @@ function head() {
   const texts = {
     date: c.date && c.date.replace('T', ' ').replace('Z', ' UTC'),
     cpu: c.cpu && c.cpu_threads ? `${c.cpu}, ${c.cpu_threads} threads` : c.cpu,
-    embree: [c.embree, c.embree_api].filter(Boolean).join(', '),
+    embree_version: [c.embree_version, c.embree_api].filter(Boolean).join(', '),
   };
   const entries = names => names.map(name => [schema.context[name].heading, name in texts ? texts[name] : c[name]]);
   contextList($('context'), entries(['date', 'revision', 'host', 'cpu', 'device', 'driver', 'opencl', 'seed']));
   contextList($('more-context').querySelector('dl'),
-              entries(['build_flags', 'kernels', 'compute_units', 'float_config', 'embree', 'load_1', 'load_5', 'load_15', 'command']));
+              entries(['build_flags', 'kernels', 'compute_units', 'float_config', 'embree_version', 'load_1', 'load_5', 'load_15', 'command']));
   (data.merged || []).forEach((m, i) => contextList($('more-context').querySelector('dl'), [
     [`Run ${i + 2}`, [m.date, m.revision, m.host, m.device].filter(Boolean).join(', ')],
     [`Command of run ${i + 2}`, m.command]]));
