@@ -283,10 +283,12 @@ static const char sample_reproduction[] =
     "\"tables\":[{\"title\":\"Table 2\",\"columns\":[\"scene\",\"paper ms\",\"here ms\"],"
     "\"rows\":[[\"coffee\",1.25,4.5],[\"Sponza\",0.75,null]]}],"
     "\"claims\":["
-    "{\"claim\":\"fewer steps\",\"held\":true,\"paper\":\"52 %\",\"ours\":\"31 %\"},"
-    "{\"claim\":\"builds as fast\",\"held\":false,\"why\":\"a 64-bit sort\"},"
+    "{\"claim\":\"fewer steps\",\"held\":true,\"verdict\":\"held\",\"paper\":\"52 "
+    "%\",\"ours\":\"31 %\"},"
+    "{\"claim\":\"builds as fast\",\"held\":false,\"verdict\":\"not held\",\"why\":\"a 64-bit "
+    "sort\"},"
     "{\"claim\":\"traces faster\",\"held\":null,\"verdict\":\"undecided: too few rounds\"},"
-    "{\"claim\":\"on GPUs too\",\"held\":null}]}";
+    "{\"claim\":\"on GPUs too\",\"held\":null,\"verdict\":\"not tested\"}]}";
 
 /* What other parts of the program may add to a document. */
 static inline void sample_add_extras(bb_results *results)

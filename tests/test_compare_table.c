@@ -190,8 +190,7 @@ static void files_of_tables_are_compared(void **state)
     refuses("", "compare a.json device.json", "another card");
 }
 
-/* In a file of another program members may stand in another order; a file that only speaks of tables
- * is none. */
+/* Members of a file may stand in any order; a file that only speaks of tables is none. */
 static void tables_are_told_from_results(void **state)
 {
     (void)state;
@@ -257,8 +256,7 @@ static void commands_write_what_is_compared(void **state)
     }
     expect(0, "report --history all.db --out all.html", "4 runs");
     expect(0, "report --history later.db --out later.html", "4 runs");
-    refuses("",
-            "slice --scene tets:side=2 --builder lbvh --size 8x8 --history /nowhere/a.db --quiet",
+    refuses("", "slice --scene tets:side=2 --builder lbvh --quiet --history /nowhere/a.db",
             "/nowhere/a.db");
 }
 

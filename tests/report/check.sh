@@ -91,7 +91,7 @@ has '>alpha [range]<' 1
 has '✓ held' 1
 has '✗ not held' 1
 has '? undecided: too few rounds' 1
-has '? not decided' 1                    # as files of earlier versions have it
+has '? not tested' 1
 has '>Mrays/s [95 %]<' 1                # of coffee's 6 rounds; of interior's 3 a range
 has '>Build ms [95 %]<' 1
 has '] range</td>' 75                   # 68 traces and 7 builds; of spheres' one round nothing

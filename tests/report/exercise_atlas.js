@@ -20,7 +20,7 @@ expect(cell('nan', 'lbvh').textContent === 'refused 50' && cell('nan', 'null').t
 choose('pick-part', 'intersector');
 expect(cell('overlaid-edges', 'moeller').textContent.startsWith('wrong'), cell('overlaid-edges', 'moeller').textContent);
 expect(cell('overlaid-edges', 'moeller').className === 'known', 'a known limit');
-expect(cell('sorted', 'exact').textContent === '\u2013', 'exact holds');
+expect(cell('sorted', 'exact').textContent === '-', 'exact holds');
 
 /* An entry leads to its axis. */
 cell('overlaid-edges', 'moeller').querySelector('button').click();
@@ -31,7 +31,7 @@ expect(!$('axis-figure').hidden && $('axis-picture').naturalWidth > 0, 'its pict
 
 /* A manner leaves the others out. */
 choose('pick-manner', 'refused');
-expect(cell('overlaid-edges', 'moeller').textContent === '\u2013', 'no refusal there');
+expect(cell('overlaid-edges', 'moeller').textContent === '-', 'no refusal there');
 choose('pick-manner', '');
 
 let drawn = 0;

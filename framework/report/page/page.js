@@ -37,16 +37,15 @@ function head() {
 }
 
 /* ---- papers reproduced ---- */
-const verdicts = { true: ['held', '\u2713 held'], false: ['failed', '\u2717 not held'], null: ['open', '? not decided'] };
+const marks = { true: ['held', '\u2713'], false: ['failed', '\u2717'], null: ['open', '?'] };
 
 /* As in the record: numbers, texts, or nothing. */
 const entry = value => typeof value === 'number' ? figure(value) : value ?? dash;
 
 function claimItem(claim) {
-  const [css, decided] = verdicts[claim.held ?? null];
-  const text = css === 'open' && claim.verdict ? `? ${claim.verdict}` : decided;
+  const [css, mark] = marks[claim.held ?? null];
   const details = [['Paper', claim.paper], ['Here', claim.ours], ['Why', claim.why]].filter(([, value]) => (value ?? '') !== '');
-  return el('li', {}, el('span', { class: `verdict ${css}` }, text), ' ', String(claim.claim),
+  return el('li', {}, el('span', { class: `verdict ${css}` }, `${mark} ${claim.verdict}`), ' ', String(claim.claim),
             el('dl', {}, ...details.flatMap(([name, value]) => [el('dt', {}, name), el('dd', {}, String(value))])));
 }
 

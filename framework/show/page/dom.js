@@ -2,7 +2,7 @@
 /* What the scripts of all pages begin with: elements, and figures that were not measured. */
 const $ = id => document.getElementById(id);
 const isNumber = Number.isFinite;
-const dash = '\u2013';
+const dash = '-'; // as figure.js and the terminal have it
 
 /* An element; attributes that are false, null or undefined are left out, and so are such children. Text is never markup. */
 function el(tag, attributes, ...children) {
