@@ -27,7 +27,7 @@ static bb_cell cell_of(const bb_paper_place *at, const bb_figure *figure, const 
                       [BB_BUILDER] = builder,
                       [BB_MAKER] = figure->phase,
                       [BB_INTERSECTOR] = own != NULL ? own : row->kernel,
-                      [BB_QUESTION] = figure->rays != NULL ? figure->rays : row->rays,
+                      [BB_QUESTION] = figure->rays,
                       [BB_FRAME] = view}};
 }
 

@@ -63,7 +63,7 @@ bool bb_add_rounds(bb_samples *sum, const bb_samples *more);
 typedef struct bb_paper_entrant {
     const char *name;
     const char *builder; /* '$' stands for what a figure puts there */
-    const char *kernel, *rays, *note;
+    const char *kernel, *note;
     const char *base, *base_kernel;       /* what it is compared with */
     const struct bb_paper_numbers *paper; /* what the paper has of it */
     bool optional;                        /* left out of tables where it was not measured */

@@ -7,9 +7,10 @@
  * meshes are not to be had: here a ball, a regular block (as "Jets"), a shell (as "Part" and "Pot")
  * and a block whose cubes grow (as those with large variance), or what is asked for.
  */
+#include "framework/contest/contest_table.h"
 #include "framework/dvr/dvr.h"
 #include "framework/overlap/overlap_contest.h"
-#include "framework/papers/contests.h"
+#include "framework/papers/reproduce.h"
 #include "framework/scene/tets_gather.h"
 #include "framework/slice/slice_contest.h"
 
@@ -17,14 +18,12 @@
 #include <string.h>
 
 enum { MESHES_MAX = 16 };
+enum { RENDERING, SLICE, OVERLAP, TASKS }; /* experiments, in order */
 
 #define LBVH "lbvh"
 #define ALPHA0 "olbvh"
 #define ALPHA1 "olbvh:alpha=1"
 #define ALPHA2 "olbvh:alpha=2"
-#define RENDERING "volume rendering"
-#define SLICE "slice"
-#define OVERLAP "overlap"
 
 static const char *const builders[] = {LBVH, ALPHA0, ALPHA1, ALPHA2};
 static const char *const searches[] = {"skip", "octree"};
@@ -37,8 +36,6 @@ static const char *const quick_meshes[] = {"tets:side=4", "tets:side=4,shape=she
 
 /* ---- measuring ---- */
 
-static const bb_column tets = BB_FOUND_NUMBER("prims", "Tetrahedra of the mesh.");
-
 /* What the requests of all contests have. */
 #define CONTESTANTS                                                                                \
     .device = request->device, .builders = builders, .builder_count = BUILDERS,                    \
@@ -46,7 +43,7 @@ static const bb_column tets = BB_FOUND_NUMBER("prims", "Tetrahedra of the mesh."
     .seed = request->seed, .quiet = request->quiet
 
 static bb_status render(const bb_reproduce_request *request, bb_scene *scene, const char *name,
-                        bb_table *table, bool *wrong)
+                        bb_table *table)
 {
     bb_transfer transfer;
     bb_dvr_result result = {.way_count = 0};
@@ -55,12 +52,13 @@ static bb_status render(const bb_reproduce_request *request, bb_scene *scene, co
     const bb_dvr_request dvr = {CONTESTANTS, .transfer = &transfer, .width = side, .height = side,
                                 .step = 1};
     BB_TRY(bb_dvr_run(&dvr, scene, &result));
-    *wrong = bb_paper_add_ways(table, name, RENDERING, result.ways, result.way_count) || *wrong;
+    snprintf(result.scene, sizeof result.scene, "%s", name);
+    bb_dvr_fill(&dvr, &result, NULL, table);
     return BB_OK;
 }
 
 static bb_status cut(const bb_reproduce_request *request, bb_scene *scene, const char *name,
-                     bb_table *table, bool *wrong)
+                     bb_table *table)
 {
     const uint32_t side = request->quick ? 16 : 333;
     const double height = (double)scene->bounds.hi[2] - (double)scene->bounds.lo[2];
@@ -70,13 +68,13 @@ static bb_status cut(const bb_reproduce_request *request, bb_scene *scene, const
         /* one, as thick as 1/20 of the mesh is high: what most of table 4 amounts to */
         .plan = {.axis = 2, .width = side, .height = side, .count = 1, .thickness = height / 20}};
     BB_TRY(bb_slice_run(&slice, scene, &result));
-    *wrong = bb_paper_add_ways(table, name, SLICE, result.ways, result.way_count) || *wrong;
+    bb_contest_fill(table, name, result.ways, result.way_count, (double)result.voxels, 0);
     return BB_OK;
 }
 
 /* With `other`, fitted into the middle. */
 static bb_status overlap(const bb_reproduce_request *request, bb_scene *scene, const char *name,
-                         const char *other, bb_table *table, bool *wrong)
+                         const char *other, bb_table *table)
 {
     const bb_overlap_request overlap = {CONTESTANTS};
     bb_overlap_result result = {.way_count = 0};
@@ -88,7 +86,7 @@ static bb_status overlap(const bb_reproduce_request *request, bb_scene *scene, c
         status = bb_scene_upload(scenes[1], request->device);
     if (status == BB_OK)
         status = bb_overlap_run(&overlap, scenes, &result);
-    *wrong = bb_paper_add_ways(table, name, OVERLAP, result.ways, result.way_count) || *wrong;
+    bb_contest_fill(table, name, result.ways, result.way_count, scene->prim_count, 0);
     bb_overlap_release(&result);
     bb_scene_free(scenes[1]);
     bb_scene_free(loaded);
@@ -96,22 +94,20 @@ static bb_status overlap(const bb_reproduce_request *request, bb_scene *scene, c
 }
 
 static bb_status measure_mesh(const bb_reproduce_request *request, const char *name,
-                              const char *next, bb_findings *f, bool *wrong)
+                              const char *next, bb_findings *f)
 {
     bb_scene *scene;
+    for (int task = 0; task < TASKS; task++)
+        BB_TRY(bb_paper_add_scene(&f[task], name));
     BB_TRY(bb_scene_load(name, &scene));
-    bb_status status = bb_paper_add_scene(f, name);
+    bb_status status = scene->tets != NULL ? bb_scene_upload(scene, request->device)
+                                           : bb_fail(BB_INVALID, "%s: has no tetrahedra", name);
     if (status == BB_OK)
-        status = scene->tets != NULL ? bb_scene_upload(scene, request->device)
-                                     : bb_fail(BB_INVALID, "%s: has no tetrahedra", name);
-    bb_table_set_number(f->table, bb_table_row(f->table, (bb_cell){{[BB_SCENE] = name}}), &tets,
-                        scene->prims[BB_TETRAHEDRON].count);
+        status = render(request, scene, name, f[RENDERING].table);
     if (status == BB_OK)
-        status = render(request, scene, name, f->table, wrong);
+        status = cut(request, scene, name, f[SLICE].table);
     if (status == BB_OK)
-        status = cut(request, scene, name, f->table, wrong);
-    if (status == BB_OK)
-        status = overlap(request, scene, name, next, f->table, wrong);
+        status = overlap(request, scene, name, next, f[OVERLAP].table);
     bb_scene_free(scene);
     return status;
 }
@@ -128,43 +124,26 @@ static bb_status measure(const bb_reproduce_request *request, bb_findings *f, bo
         while (names[count] != NULL)
             count++;
     for (uint32_t i = 0; i < count; i++)
-        BB_TRY(measure_mesh(request, names[i], names[(i + 1) % count], f, wrong));
+        BB_TRY(measure_mesh(request, names[i], names[(i + 1) % count], f));
+    for (int task = 0; task < TASKS; task++)
+        *wrong = *wrong || bb_outline_wrong(&bb_slice_outline, f[task].table) > 0;
     return BB_OK;
 }
 
 /* ---- figures: of trees those in volume rendering ---- */
 
-#define OVER(what_, builder_, base_)                                                               \
-    {                                                                                              \
-        .what = what_, .rays = RENDERING, .builder = builder_, .kernel = "octree", .base = base_,  \
-        .base_kernel = "skip"                                                                      \
-    }
-#define SPEEDUP(task)                                                                              \
-    {                                                                                              \
-        .what = "answer_ms", .rays = task, .builder = ALPHA0, .kernel = "octree", .base = LBVH,    \
-        .base_kernel = "skip", .inverse = true                                                     \
-    }
-static const bb_figure bytes[] = {OVER("bytes", ALPHA0, LBVH), OVER("bytes", ALPHA1, LBVH),
-                                  OVER("bytes", ALPHA2, LBVH)},
-                       build = OVER("build_ms", ALPHA0, LBVH),
-                       speedups[] = {SPEEDUP(RENDERING), SPEEDUP(SLICE), SPEEDUP(OVERLAP)};
+#define OVER(what_, builder_, base_) .what = what_, .builder = builder_, .base = base_
+#define SPEED .what = "answer_ms", .base = LBVH, .base_kernel = "skip", .inverse = true
+#define BUILD(builder_) OVER("build_ms", builder_, LBVH), .kernel = "octree", .base_kernel = "skip"
+static const bb_figure bytes[] = {{OVER("tree_bytes", ALPHA0, LBVH)},
+                                  {OVER("tree_bytes", ALPHA1, LBVH)},
+                                  {OVER("tree_bytes", ALPHA2, LBVH)}},
+                       build = {BUILD(ALPHA0)}, larger_build = {BUILD(NULL)}, speed = {SPEED},
+                       speedup = {SPEED, .builder = ALPHA0, .kernel = "octree"};
 /* Of one alpha over the one before. */
-static const bb_figure less1 = {.what = "bytes",
-                                .rays = RENDERING,
-                                .builder = ALPHA1,
-                                .kernel = "octree",
-                                .base = ALPHA0,
-                                .base_kernel = "octree"},
-                       less2 = {.what = "bytes",
-                                .rays = RENDERING,
-                                .builder = ALPHA2,
-                                .kernel = "octree",
-                                .base = ALPHA1,
-                                .base_kernel = "octree"};
-static const bb_figure references = {
-    .what = "references", .per = "prims", .rays = RENDERING, .builder = ALPHA0, .kernel = "octree"};
-static const bb_figure speed = {
-    .what = "answer_ms", .base = LBVH, .base_kernel = "skip", .inverse = true};
+static const bb_figure less1 = {OVER("tree_bytes", ALPHA1, ALPHA0)},
+                       less2 = {OVER("tree_bytes", ALPHA2, ALPHA1)};
+static const bb_figure references = {.what = "references_per_primitive", .builder = ALPHA0};
 
 /* ---- tables ---- */
 
@@ -175,12 +154,11 @@ static const bb_paper_numbers memory[] = {
     {"Jets", {12.3e6, 797, 433, 164, 91.2}},     {.name = NULL},
 };
 
-#define MIB(heading_, builder_, search, paper_)                                                    \
+#define MIB(heading_, builder_, paper_)                                                            \
     {                                                                                              \
         .heading = heading_, .decimals = 2, .paper = paper_, .figure = &(const bb_figure)          \
         {                                                                                          \
-            .what = "bytes", .scale = 1.0 / (1 << 20), .rays = RENDERING, .builder = builder_,     \
-            .kernel = search                                                                       \
+            .what = "tree_bytes", .scale = 1.0 / (1 << 20), .builder = builder_                    \
         }                                                                                          \
     }
 #define OVER_LBVH(heading_, alpha)                                                                 \
@@ -191,23 +169,22 @@ static const bb_paper_numbers memory[] = {
 #define MESH BB_COLUMN_OF("mesh", BB_SHOW_SCENE)
 static const bb_paper_column memory_columns[] = {
     MESH,
-    {.heading = "tetrahedra", .figure = &(const bb_figure){.what = "prims"}, .paper = 1},
-    MIB("LBVH MiB", LBVH, "skip", 2),
-    MIB("alpha 0", ALPHA0, "octree", 3),
-    MIB("alpha 1", ALPHA1, "octree", 4),
-    MIB("alpha 2", ALPHA2, "octree", 5),
+    {.heading = "tetrahedra", .figure = &(const bb_figure){.what = "tetrahedra"}, .paper = 1},
+    MIB("LBVH MiB", LBVH, 2),
+    MIB("alpha 0", ALPHA0, 3),
+    MIB("alpha 1", ALPHA1, 4),
+    MIB("alpha 2", ALPHA2, 5),
     OVER_LBVH("/LBVH, 0", 0),
     OVER_LBVH("/LBVH, 1", 1),
     OVER_LBVH("/LBVH, 2", 2),
     {.heading = NULL},
 };
 
-static const bb_figure build_over = {
-    .what = "build_ms", .rays = RENDERING, .base = LBVH, .base_kernel = "skip"};
+static const bb_figure build_over = {.what = "build_ms", .base = LBVH, .base_kernel = "skip"};
 static const bb_paper_column build_columns[] = {
     MESH,
     BB_COLUMN_OF("builder", BB_SHOW_BUILDER),
-    BB_COLUMN_AS("references/tet", 2, .what = "references", .per = "prims"),
+    BB_COLUMN_AS("references/tet", 2, .what = "references_per_primitive"),
     BB_COLUMN_AS("nodes", 0, .what = "nodes"),
     BB_COLUMN_AS("build ms", 2, .what = "build_ms"),
     BB_COLUMN_INTERVAL("over LBVH", &build_over),
@@ -221,43 +198,42 @@ static const bb_paper_column task_columns[] = {
     BB_COLUMN_OF("search", BB_SHOW_KERNEL),
     BB_COLUMN_AS("ms", 2, .what = "answer_ms"),
     BB_COLUMN_INTERVAL("speed/LBVH", &speed),
-    BB_COLUMN_AS("nodes", 1, .what = "visits"),
-    BB_COLUMN_AS("tests", 2, .what = "work"),
+    BB_COLUMN_AS("nodes", 1, .what = "nodes_per_item"),
+    BB_COLUMN_AS("tests", 2, .what = "tests_per_item"),
     BB_COLUMN_AS("wrong", 0, .what = "differ"),
     BB_COLUMN_OF("paper", BB_SHOW_NOTE),
     {.heading = NULL},
 };
 
-#define WAY(builder_, search, task, note_)                                                         \
+#define WAY(builder_, search, note_)                                                               \
     {                                                                                              \
-        .name = builder_, .builder = builder_, .kernel = search, .rays = task, .note = note_,      \
-        .optional = true                                                                           \
+        .name = builder_, .builder = builder_, .kernel = search, .note = note_, .optional = true   \
     }
 static const bb_paper_entrant trees[] = {
-    WAY(LBVH, "skip", RENDERING, NULL),
-    WAY(ALPHA0, "octree", RENDERING, NULL),
-    WAY(ALPHA1, "octree", RENDERING, NULL),
-    WAY(ALPHA2, "octree", RENDERING, NULL),
+    WAY(LBVH, "skip", NULL),
+    WAY(ALPHA0, "octree", NULL),
+    WAY(ALPHA1, "octree", NULL),
+    WAY(ALPHA2, "octree", NULL),
     {.name = NULL},
 };
 /* The paper's ranges of speeds over LBVH's, for each alpha. */
-#define WAYS(task, alpha0, alpha1, alpha2)                                                         \
+#define WAYS(alpha0, alpha1, alpha2)                                                               \
     {                                                                                              \
-        WAY(LBVH, "skip", task, NULL), WAY(LBVH, "octree", task, NULL),                            \
-            WAY(ALPHA0, "skip", task, NULL), WAY(ALPHA0, "octree", task, alpha0),                  \
-            WAY(ALPHA1, "skip", task, NULL), WAY(ALPHA1, "octree", task, alpha1),                  \
-            WAY(ALPHA2, "skip", task, NULL), WAY(ALPHA2, "octree", task, alpha2),                  \
+        WAY(LBVH, "skip", NULL), WAY(LBVH, "octree", NULL), WAY(ALPHA0, "skip", NULL),             \
+            WAY(ALPHA0, "octree", alpha0), WAY(ALPHA1, "skip", NULL),                              \
+            WAY(ALPHA1, "octree", alpha1), WAY(ALPHA2, "skip", NULL),                              \
+            WAY(ALPHA2, "octree", alpha2),                                                         \
         {                                                                                          \
             .name = NULL                                                                           \
         }                                                                                          \
     }
-static const bb_paper_entrant rendering[] = WAYS(RENDERING, "2 to 13", "above LBVH's", "");
-static const bb_paper_entrant slicing[] = WAYS(SLICE, "3 to 25", "3 to 25", "");
-static const bb_paper_entrant overlapping[] =
-    WAYS(OVERLAP, "5 to 52", "significant", "significant");
+static const bb_paper_entrant rendering[] = WAYS("2 to 13", "above LBVH's", "");
+static const bb_paper_entrant slicing[] = WAYS("3 to 25", "3 to 25", "");
+static const bb_paper_entrant overlapping[] = WAYS("5 to 52", "significant", "significant");
 
 static const bb_figure answer_ms = {.what = "answer_ms"};
-#define OF_TASK(rows_) .columns = task_columns, .rows = rows_, .by_scene = true, .needs = &answer_ms
+#define OF_TASK(task, rows_)                                                                       \
+    .of = task, .columns = task_columns, .rows = rows_, .by_scene = true, .needs = &answer_ms
 static const bb_paper_table tables[] = {
     {.title = "Memory of the tree, MiB and over that of LBVH (table 2)",
      .columns = memory_columns,
@@ -269,9 +245,10 @@ static const bb_paper_table tables[] = {
      .rows = trees,
      .by_scene = true,
      .needs = &answer_ms},
-    {.title = RENDERING ": speed over that of LBVH (figure 7)", OF_TASK(rendering)},
-    {.title = SLICE ": speed over that of LBVH (figure 8)", OF_TASK(slicing)},
-    {.title = OVERLAP ": speed over that of LBVH (figure 10)", OF_TASK(overlapping)},
+    {.title = "volume rendering: speed over that of LBVH (figure 7)",
+     OF_TASK(RENDERING, rendering)},
+    {.title = "slice: speed over that of LBVH (figure 8)", OF_TASK(SLICE, slicing)},
+    {.title = "overlap: speed over that of LBVH (figure 10)", OF_TASK(OVERLAP, overlapping)},
     {.title = NULL},
 };
 
@@ -281,13 +258,12 @@ static const bb_paper_table tables[] = {
     .ours = {{.each = true, .text = "{scene}: {0.2}, {1.2}, {2.2}"}},                              \
     .why = {{.each = true, .always = true, .text = "{scene}: {3.1} references a tetrahedron"}}
 #define FASTER(task, bound_)                                                                       \
-    .figures = {&speedups[task]},                                                                  \
+    .of = task, .figures = {&speedup},                                                             \
     .tests = {{.over = BB_MOST_OF, .side = BB_ABOVE, .bound = bound_}},                            \
     .ours = {{.each = true, .text = "{scene}: {0}"}}
 
 static const bb_paper_entrant larger_alphas[] = {
     {.name = "1", .builder = ALPHA1}, {.name = "2", .builder = ALPHA2}, {.name = NULL}};
-static const bb_figure larger_build = OVER("build_ms", NULL, LBVH);
 
 static const bb_paper_claim claims[] = {
     {.text = "OLBVH takes less memory than LBVH for most meshes, alpha 0",
@@ -317,13 +293,13 @@ static const bb_paper_claim claims[] = {
      .ours = {{.each = true, .text = "{scene}, {row}: {0}"}}},
     {.text = "Volume rendering with alpha 0 is at least twice as fast as by LBVH",
      .paper = "2 to 13 times",
-     FASTER(0, 2)},
+     FASTER(RENDERING, 2)},
     {.text = "Slices with alpha 0 are at least three times as fast as by LBVH",
      .paper = "3 to 25 times",
-     FASTER(1, 3)},
+     FASTER(SLICE, 3)},
     {.text = "Overlaps with alpha 0 are at least five times as fast as by LBVH",
      .paper = "5 to 52 times",
-     FASTER(2, 5)},
+     FASTER(OVERLAP, 5)},
     {.text = NULL},
 };
 

@@ -6,8 +6,9 @@
  * of the paper there are its words. As there, an n-body density, seen in parallel projection, the
  * volume turned about each axis; here fewer turns, smaller pictures, and sizes from 64 on.
  */
+#include "framework/contest/contest_table.h"
 #include "framework/dvr/dvr.h"
-#include "framework/papers/contests.h"
+#include "framework/papers/reproduce.h"
 
 #include <math.h>
 #include <string.h>
@@ -15,26 +16,21 @@
 enum { SIZES_MAX = 8, BRICK = 8 };
 enum { OF_SIZES, FULL }; /* some sizes; one of them with nothing to skip */
 #define VOLUME_BUILDER "vlbvh"
+#define NO_TREE "no tree"
 
 /* ---- measuring ---- */
 
-static const bb_column voxels = BB_FOUND_NUMBER("voxels", "Voxels."),
-                       seen = BB_FOUND_NUMBER("seen", "Percent of bricks that are seen."),
+static const bb_column cubes = BB_FOUND_NUMBER("cubes", "Voxels."),
                        share = BB_FOUND_NUMBER("vote_share", "Vote over all phases of the build."),
                        frame = BB_FOUND_ROUNDS("frame_ms", "Build, layout and picture.");
 
 /* Those of the whole frame, and of the vote. */
 static void add_sums(bb_table *table, const char *scene, const bb_contest_way *way)
 {
-    const bool tree = way->builder[0] != '\0';
+    const uint32_t row = bb_contest_row(table, scene, way);
     double vote = NAN, sum = 0;
     bb_samples all = way->answer;
-    const uint32_t row =
-        bb_table_row(table, (bb_cell){{[BB_SCENE] = scene,
-                                       [BB_QUESTION] = "picture",
-                                       [BB_BUILDER] = tree ? way->builder : BB_NO_TREE,
-                                       [BB_INTERSECTOR] = tree ? way->search : BB_NO_TREE}});
-    if (tree) {
+    if (way->builder[0] != '\0') {
         bb_add_rounds(&all, &way->build);
         bb_add_rounds(&all, &way->layout);
     }
@@ -74,13 +70,14 @@ static bb_status picture(const bb_reproduce_request *request, uint32_t side, con
     bb_status status = bb_scene_upload(scene, request->device);
     if (status == BB_OK)
         status = bb_dvr_run(&dvr, scene, &result);
+    snprintf(result.scene, sizeof result.scene, "%s", name);
+    bb_dvr_fill(&dvr, &result, NULL, f->table);
     const uint32_t row = bb_table_row(f->table, (bb_cell){{[BB_SCENE] = name}});
-    bb_table_set_number(f->table, row, &voxels, pow(side, 3));
-    bb_table_set_number(f->table, row, &seen, 100.0 * result.seen / fmax(result.bricks, 1));
-    *wrong = bb_paper_add_ways(f->table, name, "picture", result.ways, result.way_count) || *wrong;
+    bb_table_set_number(f->table, row, &cubes, pow(side, 3));
     for (uint32_t w = 0; w < result.way_count; w++)
         if (result.ways[w].refused[0] == '\0')
             add_sums(f->table, name, &result.ways[w]);
+    *wrong = *wrong || bb_outline_wrong(&bb_dvr_outline, f->table) > 0;
     bb_tracers_clear(request->device);
     bb_scene_free(scene);
     return status;
@@ -117,7 +114,7 @@ static bool is_largest(const bb_findings *f, const char *scene)
 }
 
 #define BY_STACK .builder = VOLUME_BUILDER, .kernel = "stack"
-#define OVER_NO_TREE .base = BB_NO_TREE, .base_kernel = BB_NO_TREE
+#define OVER_NO_TREE .base = "", .base_kernel = NO_TREE
 #define VOTE .what = "phase_ms", .phase = "vote", .per = "build_ms", BY_STACK
 #define PICTURE .what = "answer_ms", BY_STACK, OVER_NO_TREE
 static const bb_figure vote = {VOTE},
@@ -135,9 +132,9 @@ static const bb_figure vote = {VOTE},
                                         BY_STACK,
                                         OVER_NO_TREE,
                                         .only = is_largest},
-                       samples = {.what = "work", BY_STACK},
-                       all_samples = {.what = "work", .builder = BB_NO_TREE, .kernel = BB_NO_TREE},
-                       seen_bricks = {.what = "seen"};
+                       samples = {.what = "tests_per_item", BY_STACK},
+                       all_samples = {.what = "tests_per_item", .builder = "", .kernel = NO_TREE},
+                       seen_bricks = {.what = "bricks_seen_percent"};
 
 /* ---- tables ---- */
 
@@ -152,7 +149,7 @@ static const bb_paper_column phases[] = {
     PHASE("sort"),
     PHASE("link"),
     BB_COLUMN_AS("vote, share", 3, .what = "vote_share", BY_STACK),
-    BB_COLUMN_AS("ns/voxel", 3, .what = "build_ms", .per = "voxels", .scale = 1e6, BY_STACK),
+    BB_COLUMN_AS("ns/voxel", 3, .what = "build_ms", .per = "cubes", .scale = 1e6, BY_STACK),
     {.heading = NULL},
 };
 
@@ -165,7 +162,7 @@ static const bb_paper_column frames[] = {
     BB_COLUMN_AS("both ms", 2, .what = "frame_ms"),
     BB_COLUMN_AS("picture", 3, .what = "answer_ms", OVER_NO_TREE),
     BB_COLUMN_INTERVAL("both", &both),
-    BB_COLUMN_AS("samples", 1, .what = "work"),
+    BB_COLUMN_AS("samples", 1, .what = "tests_per_item"),
     BB_COLUMN_AS("wrong pixels", 0, .what = "differ"),
     {.heading = NULL},
 };
@@ -175,7 +172,7 @@ static const bb_paper_column frames[] = {
         .name = name_, .builder = builder_, .kernel = name_                                        \
     }
 static const bb_paper_entrant ways[] = {
-    WAY(BB_NO_TREE, BB_NO_TREE),
+    WAY(NO_TREE, ""),
     WAY("stack", VOLUME_BUILDER),
     WAY("stack8", VOLUME_BUILDER),
     {.name = NULL},
