@@ -21,10 +21,7 @@
 #define SMALL_REFITTED "LBVH refitted, small"
 enum { BB_DYNAMIC_METHODS = 8, BB_DYNAMIC_SMALL_METHODS = 2 };
 
-typedef struct bb_dynamic_method {
-    const char *builder, *name;
-} bb_dynamic_method;
-extern const bb_dynamic_method bb_dynamic_methods[]; /* the small ones last */
+extern const bb_paper_entrant bb_dynamic_methods[]; /* note: how it builds; the small ones last */
 
 typedef enum bb_dynamic_scene {
     BB_DYNAMIC_KITCHEN,

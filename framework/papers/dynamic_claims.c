@@ -8,24 +8,21 @@
 /* ---- figures ---- */
 
 #define BOTH "update_ms+trace_ms"
-#define PAIR(what_, method, base_)                                                                 \
-    {                                                                                              \
-        .what = what_, .builder = method, .base = base_, .inverse = true                           \
-    }
-static const bb_figure update_ratio = PAIR("update_ms", NULL, "="),
-                       trace_ratio = PAIR("trace_ms", NULL, "="),
-                       both_ratio = PAIR(BOTH, NULL, "=");
-static const bb_figure loose_update = PAIR("update_ms", LOOSE, REBUILT),
-                       loose_update_lbvh = PAIR("update_ms", LOOSE, LBVH),
-                       refit_update = PAIR("update_ms", SMALL_REFITTED, SMALL_REBUILT),
-                       refit_trace = PAIR("trace_ms", SMALL_REFITTED, SMALL_REBUILT),
-                       file_update = PAIR("update_ms", UPDATED, REBUILT),
-                       shuffled_update = PAIR("update_ms", UPDATED_SHUFFLED, REBUILT_SHUFFLED),
-                       shuffled_trace = PAIR("trace_ms", UPDATED_SHUFFLED, REBUILT),
-                       both_paper = PAIR(BOTH, UPDATED_SHUFFLED, REBUILT),
-                       both_shuffled = PAIR(BOTH, UPDATED_SHUFFLED, REBUILT_SHUFFLED),
-                       both_file = PAIR(BOTH, UPDATED, REBUILT),
-                       both_lbvh = PAIR(BOTH, LBVH, UPDATED_SHUFFLED);
+#define PAIR(what_, method, base_) .what = what_, .builder = method, .base = base_, .inverse = true
+static const bb_figure update_ratio = {PAIR("update_ms", NULL, "=")},
+                       trace_ratio = {PAIR("trace_ms", NULL, "=")},
+                       both_ratio = {PAIR(BOTH, NULL, "=")};
+static const bb_figure loose_update = {PAIR("update_ms", LOOSE, REBUILT)},
+                       loose_update_lbvh = {PAIR("update_ms", LOOSE, LBVH)},
+                       refit_update = {PAIR("update_ms", SMALL_REFITTED, SMALL_REBUILT)},
+                       refit_trace = {PAIR("trace_ms", SMALL_REFITTED, SMALL_REBUILT)},
+                       file_update = {PAIR("update_ms", UPDATED, REBUILT)},
+                       shuffled_update = {PAIR("update_ms", UPDATED_SHUFFLED, REBUILT_SHUFFLED)},
+                       shuffled_trace = {PAIR("trace_ms", UPDATED_SHUFFLED, REBUILT)},
+                       both_paper = {PAIR(BOTH, UPDATED_SHUFFLED, REBUILT)},
+                       both_shuffled = {PAIR(BOTH, UPDATED_SHUFFLED, REBUILT_SHUFFLED)},
+                       both_file = {PAIR(BOTH, UPDATED, REBUILT)},
+                       both_lbvh = {PAIR(BOTH, LBVH, UPDATED_SHUFFLED)};
 
 static bool is_kitchen(const bb_findings *f, const char *scene)
 {
@@ -44,30 +41,27 @@ static bool is_fall(const bb_findings *f, const char *scene)
     return strcmp(scene, bb_dynamic_scenes[BB_DYNAMIC_FALL].name) == 0;
 }
 
-#define ONLY(which, what_, method, base_)                                                          \
-    {                                                                                              \
-        .what = what_, .builder = method, .base = base_, .inverse = true, .only = which            \
-    }
-static const bb_figure kitchen_update = ONLY(is_kitchen, "update_ms", UPDATED_SHUFFLED, REBUILT),
-                       other_update = ONLY(is_other, "update_ms", UPDATED_SHUFFLED, REBUILT),
-                       other_trace = ONLY(is_other, "trace_ms", UPDATED_SHUFFLED, REBUILT),
-                       other_shuffled =
-                           ONLY(is_other, "trace_ms", UPDATED_SHUFFLED, REBUILT_SHUFFLED),
-                       kitchen_loose = ONLY(is_kitchen, "trace_ms", LOOSE, REBUILT),
-                       fall_rebuilt = ONLY(is_fall, "trace_ms", LOOSE, REBUILT),
-                       fall_updated = ONLY(is_fall, "trace_ms", LOOSE, UPDATED_SHUFFLED),
-                       fall_shuffled = ONLY(is_fall, "trace_ms", LOOSE, REBUILT_SHUFFLED),
-                       fall_cube = ONLY(is_fall, "trace_ms", LOOSE_CUBE, LOOSE);
+static const bb_figure kitchen_update = {PAIR("update_ms", UPDATED_SHUFFLED, REBUILT),
+                                         .only = is_kitchen},
+                       other_update = {PAIR("update_ms", UPDATED_SHUFFLED, REBUILT),
+                                       .only = is_other},
+                       other_trace = {PAIR("trace_ms", UPDATED_SHUFFLED, REBUILT),
+                                      .only = is_other},
+                       other_shuffled = {PAIR("trace_ms", UPDATED_SHUFFLED, REBUILT_SHUFFLED),
+                                         .only = is_other},
+                       kitchen_loose = {PAIR("trace_ms", LOOSE, REBUILT), .only = is_kitchen},
+                       fall_rebuilt = {PAIR("trace_ms", LOOSE, REBUILT), .only = is_fall},
+                       fall_updated = {PAIR("trace_ms", LOOSE, UPDATED_SHUFFLED), .only = is_fall},
+                       fall_shuffled = {PAIR("trace_ms", LOOSE, REBUILT_SHUFFLED), .only = is_fall},
+                       fall_cube = {PAIR("trace_ms", LOOSE_CUBE, LOOSE), .only = is_fall};
 
 /* Of trees, over the best made for the frame. */
-#define COST(method)                                                                               \
-    {                                                                                              \
-        .what = "sah_mean", .builder = method                                                      \
-    }
-static const bb_figure rebuilt_cost = COST(REBUILT), rebuilt_shuffled_cost = COST(REBUILT_SHUFFLED),
-                       updated_cost = COST(UPDATED), updated_shuffled_cost = COST(UPDATED_SHUFFLED),
-                       loose_cost = COST(LOOSE), cube_cost = COST(LOOSE_CUBE),
-                       now_cost = COST(LOOSE_NOW);
+#define COST(method) .what = "sah_mean", .builder = method
+static const bb_figure rebuilt_cost = {COST(REBUILT)},
+                       rebuilt_shuffled_cost = {COST(REBUILT_SHUFFLED)},
+                       updated_cost = {COST(UPDATED)},
+                       updated_shuffled_cost = {COST(UPDATED_SHUFFLED)}, loose_cost = {COST(LOOSE)},
+                       cube_cost = {COST(LOOSE_CUBE)}, now_cost = {COST(LOOSE_NOW)};
 static const bb_figure moved = {.what = "moved", .builder = UPDATED_SHUFFLED},
                        thinned = {.what = "thinned", .builder = UPDATED_SHUFFLED},
                        prims = {.what = "prims"},
@@ -115,42 +109,18 @@ static double their_prims(bb_paper_place at, const bb_figure *figure)
     return scene < BB_DYNAMIC_SCENES ? bb_dynamic_scenes[scene].prims : (double)NAN;
 }
 
-static void say_scene(bb_paper_place at, const bb_figure *figure, bb_words *words)
-{
-    (void)figure;
-    bb_say(words, "%s", bb_found_text(at.all, at.scene, NULL, "name"));
-}
-
-static void say_picture(bb_paper_place at, const bb_figure *figure, bb_words *words)
-{
-    (void)figure;
-    bb_say(words, "%s", bb_found_text(at.all, at.scene, NULL, "picture"));
-}
-
-static void say_refused(bb_paper_place at, const bb_figure *figure, bb_words *words)
-{
-    (void)figure;
-    bb_say(words, "%s", bb_found_text(at.all, at.scene, at.row->builder, "refused"));
-}
-
-#define WORDS(heading_, words_)                                                                    \
-    {                                                                                              \
-        .heading = heading_, .shown = BB_SHOW_WORDS, .words = words_                               \
-    }
+#define TEXT(heading_, name_) .heading = heading_, .shown = BB_SHOW_TEXT, .note = name_
 #define PAPER(heading_, figure_)                                                                   \
-    {                                                                                              \
-        .heading = heading_, .shown = BB_SHOW_NUMBER, .figure = figure_, .decimals = 3,            \
-        .number = theirs                                                                           \
-    }
+    .heading = heading_, .shown = BB_SHOW_NUMBER, .figure = figure_, .decimals = 3, .number = theirs
 
 static const bb_paper_column scenes[] = {
     BB_COLUMN_OF("in place of", BB_SHOW_SCENE),
-    WORDS("scene", say_scene),
+    {TEXT("scene", "name")},
     BB_COLUMN_AS("triangles", 0, .what = "prims"),
     {.heading = "paper", .shown = BB_SHOW_NUMBER, .number = their_prims},
     BB_COLUMN_AS("frames", 0, .what = "all_frames"),
     BB_COLUMN_AS("moved", 0, .what = "moved", .builder = UPDATED),
-    WORDS("picture", say_picture),
+    {TEXT("picture", "picture")},
     BB_COLUMN_AS("primary", 0, .what = "primary"),
     BB_COLUMN_AS("diffuse", 0, .what = "diffuse"),
     BB_COLUMN_AS("rounds", 0, .what = "rounds"),
@@ -164,11 +134,11 @@ static const bb_paper_column table1[] = {
     {.heading = "faster than",
      .shown = BB_SHOW_BUILDER,
      .figure = &(const bb_figure){.what = "update_ms", .builder = "="}},
-    PAPER("update, paper", &update_ratio),
+    {PAPER("update, paper", &update_ratio)},
     BB_COLUMN_INTERVAL("here", &update_ratio),
-    PAPER("trace, paper", &trace_ratio),
+    {PAPER("trace, paper", &trace_ratio)},
     BB_COLUMN_INTERVAL("here", &trace_ratio),
-    PAPER("both, paper", &both_ratio),
+    {PAPER("both, paper", &both_ratio)},
     BB_COLUMN_INTERVAL("here", &both_ratio),
     {.heading = NULL},
 };
@@ -188,35 +158,23 @@ static const bb_paper_column methods[] = {
     BB_COLUMN_AS("thinned", 0, .what = "thinned"),
     BB_COLUMN_AS("judged", 0, .what = "judged"),
     BB_COLUMN_AS("wrong", 0, .what = "wrong"),
-    WORDS("refused", say_refused),
+    {TEXT("refused", "refused")},
     {.heading = NULL},
 };
 
-#define ROW(method, base_, paper_)                                                                 \
-    {                                                                                              \
-        .name = method, .builder = method, .base = base_, .paper = paper_                          \
-    }
+#define ROW(method, base_, paper_) .name = method, .builder = method, .base = base_, .paper = paper_
 /* The paper's pairings have its figures; then like against like. */
 static const bb_paper_entrant pairs[] = {
-    ROW(UPDATED_SHUFFLED, REBUILT, updated),
-    ROW(UPDATED_SHUFFLED, REBUILT_SHUFFLED, NULL),
-    ROW(UPDATED, REBUILT, NULL),
-    ROW(LOOSE, REBUILT, loose),
-    ROW(LOOSE, REBUILT_SHUFFLED, NULL),
-    ROW(LOOSE_CUBE, REBUILT, NULL),
-    ROW(LOOSE_NOW, LBVH, NULL),
-    ROW(SMALL_REFITTED, SMALL_REBUILT, NULL),
-    ROW(LBVH, REBUILT, NULL),
+    {ROW(UPDATED_SHUFFLED, REBUILT, updated)},
+    {ROW(UPDATED_SHUFFLED, REBUILT_SHUFFLED, NULL)},
+    {ROW(UPDATED, REBUILT, NULL)},
+    {ROW(LOOSE, REBUILT, loose)},
+    {ROW(LOOSE, REBUILT_SHUFFLED, NULL)},
+    {ROW(LOOSE_CUBE, REBUILT, NULL)},
+    {ROW(LOOSE_NOW, LBVH, NULL)},
+    {ROW(SMALL_REFITTED, SMALL_REBUILT, NULL)},
+    {ROW(LBVH, REBUILT, NULL)},
     {.name = NULL},
-};
-#define METHOD(name_)                                                                              \
-    {                                                                                              \
-        .name = name_, .builder = name_                                                            \
-    }
-static const bb_paper_entrant all_methods[] = {
-    METHOD(REBUILT),       METHOD(REBUILT_SHUFFLED), METHOD(UPDATED),   METHOD(UPDATED_SHUFFLED),
-    METHOD(LOOSE),         METHOD(LOOSE_CUBE),       METHOD(LOOSE_NOW), METHOD(LBVH),
-    METHOD(SMALL_REBUILT), METHOD(SMALL_REFITTED),   {.name = NULL},
 };
 
 const bb_paper_table bb_dynamic_tables[] = {
@@ -230,7 +188,7 @@ const bb_paper_table bb_dynamic_tables[] = {
               "frame (transfer and layout are of this bench; the paper has none); small: in "
               "pictures of an eighth of the side",
      .columns = methods,
-     .rows = all_methods,
+     .rows = bb_dynamic_methods,
      .by_scene = true},
     {.title = NULL},
 };

@@ -19,29 +19,26 @@ static bool is_not_flat(const bb_findings *f, const char *scene)
     return !is_flat(f, scene);
 }
 
-#define COST(builder_, base_, ...)                                                                 \
-    {                                                                                              \
-        .what = "sah", .builder = builder_, .base = base_, __VA_ARGS__                             \
-    }
-static const bb_figure sort = COST(EMC_SORT64, EMC_MC64, ), var = COST(EMC_VAR64, EMC_MC64, ),
-                       order = COST(EMC_ORDER, EMC_MC64, ),
-                       order_count = COST(EMC_ORDER_COUNT, EMC_MC64, ),
-                       sizes = COST(EMC_SIZES, EMC_MC64, ),
-                       fewer = COST(EMC_FEWER_SIZES, EMC_MC64, ),
-                       fewer32 = COST(EMC_VAR32, EMC_VAR32_ALL_SIZES, ),
-                       fewer64 = COST(EMC_VAR64, EMC_VAR64_ALL_SIZES, ),
-                       nine = COST(EMC_VAR64_NINE, EMC_VAR64, ),
-                       ten = COST(EMC_VAR64_CELL_TEN, EMC_VAR64_CELL_ALL, ),
-                       diagonal = COST(EMC_VAR64, EMC_VAR64_AREA, ),
-                       var_sweep = COST(EMC_VAR64, EMC_SWEEP, ),
-                       plain_sweep = COST(EMC_MC64, EMC_SWEEP, ),
-                       sizes_order = COST(EMC_SIZES, EMC_ORDER_COUNT, .only = is_not_flat),
-                       flat_var = COST(EMC_VAR64, EMC_MC64, .only = is_flat),
-                       other_var = COST(EMC_VAR64, EMC_MC64, .only = is_not_flat),
-                       flat_order = COST(EMC_ORDER, EMC_MC64, .only = is_flat),
-                       other_order = COST(EMC_ORDER, EMC_MC64, .only = is_not_flat),
-                       flat_count = COST(EMC_ORDER_COUNT, EMC_MC64, .only = is_flat),
-                       other_count = COST(EMC_ORDER_COUNT, EMC_MC64, .only = is_not_flat);
+#define COST(builder_, base_) .what = "sah", .builder = builder_, .base = base_
+static const bb_figure sort = {COST(EMC_SORT64, EMC_MC64)}, var = {COST(EMC_VAR64, EMC_MC64)},
+                       order = {COST(EMC_ORDER, EMC_MC64)},
+                       order_count = {COST(EMC_ORDER_COUNT, EMC_MC64)},
+                       sizes = {COST(EMC_SIZES, EMC_MC64)},
+                       fewer = {COST(EMC_FEWER_SIZES, EMC_MC64)},
+                       fewer32 = {COST(EMC_VAR32, EMC_VAR32_ALL_SIZES)},
+                       fewer64 = {COST(EMC_VAR64, EMC_VAR64_ALL_SIZES)},
+                       nine = {COST(EMC_VAR64_NINE, EMC_VAR64)},
+                       ten = {COST(EMC_VAR64_CELL_TEN, EMC_VAR64_CELL_ALL)},
+                       diagonal = {COST(EMC_VAR64, EMC_VAR64_AREA)},
+                       var_sweep = {COST(EMC_VAR64, EMC_SWEEP)},
+                       plain_sweep = {COST(EMC_MC64, EMC_SWEEP)},
+                       sizes_order = {COST(EMC_SIZES, EMC_ORDER_COUNT), .only = is_not_flat},
+                       flat_var = {COST(EMC_VAR64, EMC_MC64), .only = is_flat},
+                       other_var = {COST(EMC_VAR64, EMC_MC64), .only = is_not_flat},
+                       flat_order = {COST(EMC_ORDER, EMC_MC64), .only = is_flat},
+                       other_order = {COST(EMC_ORDER, EMC_MC64), .only = is_not_flat},
+                       flat_count = {COST(EMC_ORDER_COUNT, EMC_MC64), .only = is_flat},
+                       other_count = {COST(EMC_ORDER_COUNT, EMC_MC64), .only = is_not_flat};
 static const bb_figure prims = {.what = "prims"}, overlap = {.what = "overlap"};
 
 /* Of traced rays, from the experiment that traces them; the cost from the one that varies. */
@@ -50,13 +47,13 @@ static const bb_figure speed = {.what = "trace_ms",
                                 .base = EMC_MC64,
                                 .inverse = true,
                                 .mean = BB_MEAN_OF_ROUNDS},
-                       traced_cost = COST(EMC_VAR64, EMC_MC64, .of = EMC_VARIED),
+                       traced_cost = {COST(EMC_VAR64, EMC_MC64), .of = EMC_VARIED},
                        boxes = {.what = "node_tests_per_ray",
                                 .builder = EMC_VAR64,
                                 .base = EMC_MC64},
                        tests = {
                            .what = "prim_tests_per_ray", .builder = EMC_VAR64, .base = EMC_MC64};
-static const bb_figure short_cost = COST(EMC_VAR32, EMC_VAR64, .of = EMC_VARIED - EMC_BUILT),
+static const bb_figure short_cost = {COST(EMC_VAR32, EMC_VAR64), .of = EMC_VARIED - EMC_BUILT},
                        short_build = {.what = "build_ms",
                                       .builder = EMC_VAR32,
                                       .base = EMC_VAR64,

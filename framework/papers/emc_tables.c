@@ -46,18 +46,12 @@ static const bb_paper_numbers table2_average = {
     "average",
     {0, 0, .88, .80, 0, 1.09, 1.24, 0, .99, 1.00, 0, .98, .93, 0, 1.01, 1.07, 0, .99, .99}};
 
-#define SCENE                                                                                      \
-    {                                                                                              \
-        .heading = "scene", .shown = BB_SHOW_SCENE                                                 \
-    }
+#define SCENE BB_COLUMN_OF("scene", BB_SHOW_SCENE)
 #define PRIMITIVES                                                                                 \
     {                                                                                              \
         .heading = "primitives", .figure = &(const bb_figure){.what = "prims"}, .paper = PRIMS     \
     }
-#define FLATNESS                                                                                   \
-    {                                                                                              \
-        .heading = "flatness", .figure = &bb_emc_flatness, .decimals = 3                           \
-    }
+#define FLATNESS BB_COLUMN("flatness", &bb_emc_flatness, 3)
 
 /* The paper's number `at`, and those after it for two codes. */
 #define LBVH_COLUMNS(at, unit, absolute, ...)                                                      \
@@ -313,10 +307,7 @@ static const bb_paper_column scenes[] = {
 
 /* ---- other builders ---- */
 
-#define BUILDER                                                                                    \
-    {                                                                                              \
-        .heading = "builder", .shown = BB_SHOW_MISSING                                             \
-    }
+#define BUILDER BB_COLUMN_OF("builder", BB_SHOW_MISSING)
 #define NUMBER(heading_, shown_, figure_)                                                          \
     {                                                                                              \
         .heading = heading_, .shown = shown_, .figure = figure_, .decimals = 3                     \

@@ -269,6 +269,7 @@ typedef enum bb_shown {
     BB_SHOW_BUILDER,
     BB_SHOW_KERNEL,
     BB_SHOW_NOTE,
+    BB_SHOW_TEXT, /* that `note` names, of the scene, or of the row's builder there */
     BB_SHOW_BEST, /* the number that is the best in the figure's {...} */
     BB_SHOW_WORDS,
     BB_SHOW_NUMBER,
@@ -288,7 +289,7 @@ typedef struct bb_paper_column {
     const bb_figure *figure;
     int decimals;
     int paper, paper_over; /* the paper's number, from 1 on, over another; 0: none */
-    const char *note;      /* of the paper's average */
+    const char *note;      /* of the paper's average, or the name of a text */
     void (*words)(bb_paper_place at, const bb_figure *figure, bb_words *words);
     double (*number)(bb_paper_place at, const bb_figure *figure);
 } bb_paper_column;

@@ -6,27 +6,21 @@
 
 /* ---- figures ---- */
 
-#define RATIO(what_)                                                                               \
-    {                                                                                              \
-        .what = what_, .base = "=", .mean = BB_MEAN_OF_ROUNDS                                      \
-    }
+#define RATIO(what_) .what = what_, .base = "=", .mean = BB_MEAN_OF_ROUNDS
 
 /* Of a row over its base. */
-static const bb_figure build_ratio = RATIO("build_ms"), trace_ratio = RATIO("trace_ms"),
-                       frame_ratio = RATIO(FRAME), boxes_ratio = RATIO("node_tests_per_ray"),
-                       tests_ratio = RATIO("prim_tests_per_ray"), bytes_ratio = RATIO("bytes_tree"),
-                       peak_ratio = RATIO("bytes_peak");
+static const bb_figure build_ratio = {RATIO("build_ms")}, trace_ratio = {RATIO("trace_ms")},
+                       frame_ratio = {RATIO(FRAME)}, boxes_ratio = {RATIO("node_tests_per_ray")},
+                       tests_ratio = {RATIO("prim_tests_per_ray")},
+                       bytes_ratio = {RATIO("bytes_tree")}, peak_ratio = {RATIO("bytes_peak")};
 static const bb_figure nodes = {.what = "nodes"}, base_nodes = {.what = "nodes", .builder = "="},
                        leaves = {.what = "leaves"},
                        base_leaves = {.what = "leaves", .builder = "="};
 
-#define ORDER(builder_, with, kernel_, count)                                                      \
-    {                                                                                              \
-        .what = "trace_ms", .builder = builder_, .kernel = kernel_, .base = with,                  \
-        .base_kernel = kernel_, .mean = BB_MEAN_OF_ROUNDS, .views = count                          \
-    }
-static const bb_figure lbvh_order = ORDER(LBVH30, LBVH30 ",view=%", STACKLESS, VIEWS),
-                       llbvh_order = ORDER(LLBVH30, LLBVH30 ",view=%", STACKLESS, VIEWS);
+#define ORDER(builder_)                                                                            \
+    .what = "trace_ms", .builder = builder_, .base = builder_ ",view=%", .kernel = STACKLESS,      \
+    .base_kernel = STACKLESS, .mean = BB_MEAN_OF_ROUNDS, .views = VIEWS
+static const bb_figure lbvh_order = {ORDER(LBVH30)}, llbvh_order = {ORDER(LLBVH30)};
 static const bb_figure order_boxes = {
     .what = "node_tests_per_ray", .builder = "$,view=%", .base = "$", .views = VIEWS};
 /* Of the first view. */

@@ -32,17 +32,19 @@ enum {
 #define GS "gs:max_children=0" /* the paper has no limit */
 #define LOOSE_OF_PAPER "loose-bvh:levels=6,deeper=0"
 
-const bb_dynamic_method bb_dynamic_methods[] = {
-    {GS ",update=rebuild,order=file", REBUILT},
-    {GS ",update=rebuild,order=shuffled", REBUILT_SHUFFLED},
-    {GS ",order=file", UPDATED},
-    {GS ",order=shuffled", UPDATED_SHUFFLED},
-    {LOOSE_OF_PAPER ",root=box", LOOSE},
-    {LOOSE_OF_PAPER ",root=cube", LOOSE_CUBE},
-    {"loose-bvh", LOOSE_NOW},
-    {"lbvh", LBVH},
-    {"lbvh", SMALL_REBUILT},
-    {"lbvh+refit", SMALL_REFITTED},
+#define METHOD(name_, builder_) .name = name_, .builder = name_, .note = builder_
+const bb_paper_entrant bb_dynamic_methods[] = {
+    {METHOD(REBUILT, GS ",update=rebuild,order=file")},
+    {METHOD(REBUILT_SHUFFLED, GS ",update=rebuild,order=shuffled")},
+    {METHOD(UPDATED, GS ",order=file")},
+    {METHOD(UPDATED_SHUFFLED, GS ",order=shuffled")},
+    {METHOD(LOOSE, LOOSE_OF_PAPER ",root=box")},
+    {METHOD(LOOSE_CUBE, LOOSE_OF_PAPER ",root=cube")},
+    {METHOD(LOOSE_NOW, "loose-bvh")},
+    {METHOD(LBVH, "lbvh")},
+    {METHOD(SMALL_REBUILT, "lbvh")},
+    {METHOD(SMALL_REFITTED, "lbvh+refit")},
+    {.name = NULL},
 };
 
 const bb_dynamic_about bb_dynamic_scenes[BB_DYNAMIC_SCENES] = {
@@ -54,8 +56,8 @@ const bb_dynamic_about bb_dynamic_scenes[BB_DYNAMIC_SCENES] = {
 
 /* ---- measuring ---- */
 
-static bb_status name_scene(const bb_reproduce_request *request, bb_dynamic_scene scene, char *out,
-                            size_t capacity)
+static void name_scene(const bb_reproduce_request *request, bb_dynamic_scene scene, char *out,
+                       size_t capacity)
 {
     const uint32_t frames = request->quick ? QUICK_FRAMES : FRAMES;
     const uint64_t asked = bb_dynamic_scenes[scene].prims;
@@ -69,7 +71,6 @@ static bb_status name_scene(const bb_reproduce_request *request, bb_dynamic_scen
     else
         snprintf(out, capacity, "%s,n=%llu,frames=%u", bb_dynamic_scenes[scene].scene,
                  (unsigned long long)prims, frames);
-    return BB_OK;
 }
 
 /* All methods, or refitted trees beside rebuilt ones in small pictures. */
@@ -99,7 +100,7 @@ static bb_status animate(const bb_reproduce_request *request, bb_scene *scene, b
         .quiet = request->quiet,
     };
     for (uint32_t m = 0; m < wanted.builder_count; m++)
-        builders[m] = bb_dynamic_methods[first + m].builder;
+        builders[m] = bb_dynamic_methods[first + m].note;
     const bb_status status = bb_animate_run(&wanted, scene, &result);
     if (status == BB_OK)
         bb_dynamic_add(table, at, &result, first, wanted.width, wanted.height);
@@ -114,7 +115,7 @@ static bb_status load_and_animate(const bb_reproduce_request *request, bb_dynami
     char name[640];
     bb_scene *scene;
     BB_TRY(bb_paper_add_scene(f, bb_dynamic_scenes[at].name));
-    BB_TRY(name_scene(request, at, name, sizeof name));
+    name_scene(request, at, name, sizeof name);
     BB_TRY(bb_scene_load(name, &scene));
     bb_status status = bb_scene_upload(scene, request->device);
     for (int small = 0; small < 2 && status == BB_OK; small++)

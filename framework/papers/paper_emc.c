@@ -56,16 +56,13 @@ const bb_paper_entrant bb_emc_radii[] = {
     {.name = NULL},
 };
 
-#define EQUAL(builder_, base_)                                                                     \
-    {                                                                                              \
-        .name = builder_, .builder = builder_, .base = base_                                       \
-    }
+#define EQUAL(builder_, base_) .name = builder_, .builder = builder_, .base = base_
 const bb_paper_entrant bb_emc_equals[EMC_EQUALS + 1] = {
-    EQUAL(EMC_SORT64, EMC_MC64),
-    EQUAL(EMC_VAR64, EMC_MC64),
-    [EMC_EQUAL_CELL64] = EQUAL(EMC_CELL64, EMC_MC64),
-    EQUAL(EMC_SORT32, EMC_MC32),
-    EQUAL(EMC_VAR32, EMC_MC32),
+    {EQUAL(EMC_SORT64, EMC_MC64)},
+    {EQUAL(EMC_VAR64, EMC_MC64)},
+    [EMC_EQUAL_CELL64] = {EQUAL(EMC_CELL64, EMC_MC64)},
+    {EQUAL(EMC_SORT32, EMC_MC32)},
+    {EQUAL(EMC_VAR32, EMC_MC32)},
     {.name = NULL},
 };
 

@@ -113,14 +113,13 @@ static const bb_figure prims = {.what = "prims"}, build_ms = {.what = "build_ms"
                        peak = {.what = "bytes_peak", .scale = MIB};
 /* Medians of the paper's configuration, over LBVH's. */
 #define OVER_LBVH(builder_, kernel_)                                                               \
-    {                                                                                              \
-        .what = FRAME, .builder = builder_, .kernel = kernel_, .base = LBVH30,                     \
-        .base_kernel = STACK, .unpaired = true                                                     \
-    }
+    .what = FRAME, .builder = builder_, .kernel = kernel_, .base = LBVH30, .base_kernel = STACK,   \
+    .unpaired = true
 static const bb_figure lbvh_ms = {.what = FRAME, .builder = LBVH30, .kernel = STACK},
-                       to_lbvh = OVER_LBVH(NULL, NULL), llbvh_to_lbvh = OVER_LBVH(LLBVH30, STACK),
-                       best_to_lbvh = OVER_LBVH(LOBVH_BEST, STACKLESS),
-                       auto_to_lbvh = OVER_LBVH(LOBVH("auto"), STACKLESS);
+                       to_lbvh = {OVER_LBVH(NULL, NULL)},
+                       llbvh_to_lbvh = {OVER_LBVH(LLBVH30, STACK)},
+                       best_to_lbvh = {OVER_LBVH(LOBVH_BEST, STACKLESS)},
+                       auto_to_lbvh = {OVER_LBVH(LOBVH("auto"), STACKLESS)};
 
 /* Rays per second with the order of the view that is traced, over those without one. */
 const bb_figure bb_order_factor = {.what = "trace_ms",

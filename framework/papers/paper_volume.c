@@ -167,14 +167,11 @@ static const bb_paper_column frames[] = {
     {.heading = NULL},
 };
 
-#define WAY(name_, builder_)                                                                       \
-    {                                                                                              \
-        .name = name_, .builder = builder_, .kernel = name_                                        \
-    }
+#define WAY(name_, builder_) .name = name_, .builder = builder_, .kernel = name_
 static const bb_paper_entrant ways[] = {
-    WAY(NO_TREE, ""),
-    WAY("stack", VOLUME_BUILDER),
-    WAY("stack8", VOLUME_BUILDER),
+    {WAY(NO_TREE, "")},
+    {WAY("stack", VOLUME_BUILDER)},
+    {WAY("stack8", VOLUME_BUILDER)},
     {.name = NULL},
 };
 

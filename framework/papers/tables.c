@@ -124,6 +124,10 @@ static void put_cell(const filling *t, const bb_paper_column *column, bb_paper_p
     case BB_SHOW_NOTE:
         bb_paper_text(t->out, at.row != NULL && at.row->note != NULL ? at.row->note : "");
         break;
+    case BB_SHOW_TEXT:
+        bb_paper_text(t->out, bb_found_text(t->f, at.scene, at.row != NULL ? at.row->builder : NULL,
+                                            column->note));
+        break;
     case BB_SHOW_PAPER:
         bb_paper_number(t->out,
                         at.row->paper != NULL ? paper_number(at.row->paper, column) : (double)NAN,
