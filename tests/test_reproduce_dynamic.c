@@ -180,6 +180,23 @@ static void slow_updates_are_told(void **state)
     release(d);
 }
 
+/* How even updates are is told by times, too: not by a round or two. */
+static void few_rounds_tell_no_evenness(void **state)
+{
+    (void)state;
+    times t[BB_DYNAMIC_METHODS];
+    for (int m = 0; m < BB_DYNAMIC_METHODS; m++)
+        t[m] = (times){1, 1};
+    made_up *d = make(t, 2);
+    for (int s = 0; s < BB_DYNAMIC_SCENES; s++)
+        d->scenes[s].rounds = 2;
+    bb_results *results = new_results();
+    assert_string_equal(bb_json_text(find_claim(evaluate(d, results), even), "verdict"),
+                        "undecided: too few rounds");
+    bb_results_destroy(results);
+    release(d);
+}
+
 static double cell(const cJSON *table, int row, int column)
 {
     const cJSON *rows = cJSON_GetObjectItem(table, "rows");
@@ -225,6 +242,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_shuffle_decides),
         cmocka_unit_test(slow_updates_are_told),
+        cmocka_unit_test(few_rounds_tell_no_evenness),
         cmocka_unit_test(tables_have_the_paper_beside_ours),
     };
     return cmocka_run_group_tests_name("reproduce_dynamic", tests, NULL, NULL);

@@ -241,8 +241,8 @@ const bb_paper_claim bb_dynamic_claims[] = {
      .tests = {REACHED(loose)},
      .ours = {EACH("{scene} {0}")},
      .why = {EACH("{scene}: an LBVH rebuild takes, of its time, {1}")}},
-    {.text = "The update of the Loose BVH takes almost the same time in all frames (here: the "
-             "longest at most 1.5 times the mean, of medians over the rounds)",
+    {.text = "The update of the Loose BVH takes almost the same time in all frames (here: that of "
+             "the longest median takes at most 1.5 times the mean)",
      .paper = "section 4, figure 7",
      .figures = {&loose_uneven, &updated_uneven},
      .tests = {BB_TEST_EACH(0, BB_BELOW, 1.5)},

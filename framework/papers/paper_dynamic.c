@@ -165,11 +165,15 @@ static const bb_column frames = BB_FOUND_NUMBER("frames", "Frames but the first.
                        sah_mean =
                            BB_FOUND_NUMBER("sah_mean", "Cost over the best made for the frame."),
                        sah_most = BB_FOUND_NUMBER("sah_most", "The same at worst."),
-                       unevenness =
-                           BB_FOUND_NUMBER("unevenness", "The longest update over the mean."),
                        judged = BB_FOUND_NUMBER("judged", "Rays that were judged."),
                        wrong_rays = BB_FOUND_NUMBER("wrong", "Rays that were wrong."),
                        refused = BB_FOUND_TEXT("refused", "Why there are no figures.");
+static const bb_column unevenness = {.name = "unevenness",
+                                     .heading = "unevenness",
+                                     .unit = "",
+                                     .help = "The longest update, by its median, over the mean.",
+                                     .kind = BB_COLUMN_ROUNDS,
+                                     .sense = BB_SENSE_TIMED};
 /* Means per frame. */
 static const bb_column events[] = {
     BB_FOUND_NUMBER("moved", "Objects that moved."),
@@ -196,6 +200,18 @@ static double events_of(const bb_animate_method *m, const char *event)
     return m->done > 1 ? sum / (m->done - 1) : 0;
 }
 
+static bb_samples unevenness_of(const bb_animate_result *result, const bb_animate_method *method,
+                                const bb_animate_sums *sums)
+{
+    const bb_samples all = bb_animate_samples(result, method, 0, BB_ANIMATE_UPDATE);
+    bb_samples over = {.count = 0};
+    for (uint32_t f = 1; f < method->done; f++)
+        if (result->states[f].frame == sums->worst_frame)
+            for (uint32_t r = 0; r < all.count; r++)
+                bb_samples_add(&over, method->frames[f].update[r] * sums->frames / all.values[r]);
+    return over;
+}
+
 static void add_method(bb_table *table, uint32_t row, const bb_animate_result *result,
                        const bb_animate_method *method)
 {
@@ -214,8 +230,8 @@ static void add_method(bb_table *table, uint32_t row, const bb_animate_result *r
         return;
     bb_table_set_number(table, row, &sah_mean, sums.sah_mean);
     bb_table_set_number(table, row, &sah_most, sums.sah_most);
-    if (sums.frames > 0)
-        bb_table_set_number(table, row, &unevenness, sums.worst_update / sums.update);
+    const bb_samples uneven = unevenness_of(result, method, &sums);
+    bb_table_set_rounds(table, row, &unevenness, &uneven);
 }
 
 static void add_scene(bb_table *table, uint32_t row, const bb_animate_result *result,

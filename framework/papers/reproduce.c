@@ -179,12 +179,13 @@ static bb_status make_plan(const bb_reproduce_request *request, const bb_experim
     return BB_OK;
 }
 
-/* The same failure, with the paper and the experiment in front. */
+/* The same failure, with the paper and the experiment (NULL: none) in front. */
 static bb_status blame(const bb_paper *paper, const bb_experiment *e, bb_status status)
 {
     char reason[1024];
     snprintf(reason, sizeof reason, "%s", bb_message());
-    return bb_fail(status, "reproduce %s, %s: %s", paper->name, e->name, reason);
+    return bb_fail(status, "reproduce %s%s%s: %s", paper->name, e != NULL ? ", " : "",
+                   e != NULL ? e->name : "", reason);
 }
 
 static bb_status check_builders(const bb_paper *paper)
@@ -194,11 +195,7 @@ static bb_status check_builders(const bb_paper *paper)
     for (size_t i = 0; i < builders.count && status == BB_OK; i++)
         status = bb_instance_check(builders.items[i]);
     free_names(&builders);
-    if (status == BB_OK)
-        return BB_OK;
-    char reason[1024];
-    snprintf(reason, sizeof reason, "%s", bb_message());
-    return bb_fail(status, "reproduce %s: %s", paper->name, reason);
+    return status == BB_OK ? BB_OK : blame(paper, NULL, status);
 }
 
 bb_status bb_reproduce_check(const bb_reproduce_request *request)
@@ -218,21 +215,16 @@ bb_status bb_reproduce_check(const bb_reproduce_request *request)
     return BB_OK;
 }
 
-static bb_status run_experiment(plan *p, bb_results *results, bb_bench_outcome *outcome)
-{
-    bb_bench_outcome more;
-    bb_status status = bb_bench_run(&p->request, results, &more);
-    bb_bench_outcome_add(outcome, &more);
-    return status;
-}
-
 /* Runs the experiment into the document, and makes its table. */
 static bb_status run(const bb_reproduce_request *request, const bb_experiment *e, plan *p,
                      bb_findings *f, bb_results *results, bb_bench_outcome *outcome)
 {
     const uint32_t first = bb_results_next_build(results);
+    bb_bench_outcome more;
     BB_TRY(make_plan(request, e, p));
-    BB_TRY(run_experiment(p, results, outcome));
+    const bb_status status = bb_bench_run(&p->request, results, &more);
+    bb_bench_outcome_add(outcome, &more);
+    BB_TRY(status);
     for (size_t s = 0; s < p->scenes.count; s++)
         BB_TRY(bb_paper_add_scene(f, p->scenes.items[s]));
     return bb_paper_measured(results, first, f->table);
