@@ -1,0 +1,156 @@
+/* `reproduce olbvh` and `reproduce volume` on made-up contests: which claims hold. That they run:
+ * test_reproduce.c. */
+#include "framework/contest/contest_table.h"
+#include "tests/paper_fixture.h"
+
+/* Of a way, ms; and of its tree. */
+typedef struct made_up {
+    const char *builder, *search;
+    double build, vote, answer; /* vote: a phase of the build */
+    uint64_t bytes;
+} made_up;
+
+static void fill(bb_table *table, const char *scene, made_up m)
+{
+    bb_contest_way *way = calloc(1, sizeof *way);
+    assert_non_null(way);
+    snprintf(way->builder, sizeof way->builder, "%s", m.builder);
+    snprintf(way->search, sizeof way->search, "%s", m.search);
+    add_rounds(&way->answer, m.answer);
+    if (m.build > 0)
+        add_rounds(&way->build, m.build);
+    if (m.vote > 0) {
+        way->phase_count = 1;
+        snprintf(way->phases[0].name, sizeof way->phases[0].name, "vote");
+        add_rounds(&way->phases[0].ms, m.vote);
+    }
+    way->nodes = m.build > 0 ? 100 : 0;
+    way->references = 3000;
+    way->tree_bytes = m.bytes;
+    bb_contest_fill(table, scene, way, 1, 1000, 1000);
+    free(way);
+}
+
+static void begin(bb_findings all[BB_EXPERIMENTS_MAX], char **names, size_t count)
+{
+    for (int e = 0; e < BB_EXPERIMENTS_MAX; e++) {
+        all[e] = (bb_findings){.scenes = names, .scene_count = count};
+        ASSERT_OK(bb_table_create("reproduce", &all[e].table));
+    }
+}
+
+/* Compares the verdicts with those expected, in order. */
+static void end(const char *name, bb_findings all[BB_EXPERIMENTS_MAX], const char *const *verdicts)
+{
+    const bb_paper *paper;
+    bb_results *results = new_results();
+    ASSERT_OK(bb_paper_find(name, &paper));
+    ASSERT_OK(bb_reproduction_add(paper, all, results));
+    const cJSON *claim,
+        *r = cJSON_GetArrayItem(cJSON_GetObjectItem(bb_results_json(results), "reproductions"), 0);
+    cJSON_ArrayForEach(claim, cJSON_GetObjectItem(r, "claims"))
+    {
+        if (strcmp(bb_json_text(claim, "verdict"), *verdicts) != 0)
+            fail_msg("%s: %s, not %s; here: %s", bb_json_text(claim, "claim"),
+                     bb_json_text(claim, "verdict"), *verdicts, bb_json_text(claim, "ours"));
+        verdicts++;
+    }
+    assert_null(*verdicts);
+    for (int e = 0; e < BB_EXPERIMENTS_MAX; e++)
+        bb_table_free(all[e].table);
+    bb_results_destroy(results);
+}
+
+/* ---- olbvh: rendering, slices, overlaps ---- */
+
+static const char *const alphas[] = {"olbvh", "olbvh:alpha=1", "olbvh:alpha=2"};
+
+/* LBVH takes 1000 bytes, 10 ms to build and 100 ms to answer. */
+static void add_meshes(const double build[3], const uint64_t bytes[3], const double answer[3],
+                       const char *const *verdicts)
+{
+    bb_findings all[BB_EXPERIMENTS_MAX];
+    begin(all, scenes, 2);
+    for (int task = 0; task < 3; task++)
+        for (int s = 0; s < 2; s++) {
+            fill(all[task].table, scenes[s], (made_up){"lbvh", "skip", 10, 0, 100, 1000});
+            for (int a = 0; a < 3; a++)
+                fill(all[task].table, scenes[s],
+                     (made_up){alphas[a], "octree", build[a], 0, answer[task], bytes[a]});
+        }
+    end("olbvh", all, verdicts);
+}
+
+static void octrees_of_tetrahedra(void **state)
+{
+    (void)state;
+    static const char *const yes[] = {"held", "held", "held", "held", "held", "held", "held", NULL};
+    static const char *const no[] = {"not held", "not held", "not held", "not held",
+                                     "not held", "not held", "not held", NULL};
+    static const char *const mixed[] = {"held",     "not held", "held", "not held",
+                                        "not held", "held",     "held", NULL};
+    add_meshes((double[]){20, 8, 5}, (uint64_t[]){900, 300, 100}, (double[]){40, 30, 15}, yes);
+    add_meshes((double[]){9, 30, 30}, (uint64_t[]){1100, 600, 500}, (double[]){60, 40, 25}, no);
+    /* less than half, but no less with alpha 2; one of two alphas; one task */
+    add_meshes((double[]){20, 30, 5}, (uint64_t[]){900, 300, 300}, (double[]){60, 30, 15}, mixed);
+}
+
+/* ---- volume: three sizes, and one with nothing to skip ---- */
+
+static const bb_column frame = BB_FOUND_ROUNDS("frame_ms", "As paper_volume.c has it.");
+
+typedef struct volume {
+    double build, vote, answer, frame; /* without a tree: 100 ms */
+} volume;
+
+static void add_volume(bb_table *table, const char *scene, volume v)
+{
+    static bb_contest_way way;
+    const made_up ways[] = {{"", "", 0, 0, 100, 0},
+                            {"vlbvh", "stack", v.build, v.vote, v.answer, 0}};
+    for (int w = 0; w < 2; w++) {
+        bb_samples all = {.count = 0};
+        fill(table, scene, ways[w]);
+        snprintf(way.builder, sizeof way.builder, "%s", ways[w].builder);
+        snprintf(way.search, sizeof way.search, "%s", ways[w].search);
+        add_rounds(&all, w == 0 ? 100 : v.frame);
+        bb_table_set_rounds(table, bb_contest_row(table, scene, &way), &frame, &all);
+    }
+}
+
+static void add_volumes(const volume v[4], const char *const *verdicts)
+{
+    static char names[3][16] = {"n=64", "n=128", "n=256"};
+    static char *sizes[] = {names[0], names[1], names[2]};
+    bb_findings all[BB_EXPERIMENTS_MAX];
+    begin(all, sizes, 3);
+    all[1].scene_count = 1;
+    for (int s = 0; s < 3; s++)
+        add_volume(all[0].table, sizes[s], v[s]);
+    add_volume(all[1].table, sizes[0], v[3]);
+    end("volume", all, verdicts);
+}
+
+static void sparse_volumes(void **state)
+{
+    (void)state;
+    static const char *const yes[] = {"held", "held", "held", "held", "held", NULL};
+    static const char *const no[] = {"not held", "not held", "not held",
+                                     "not held", "not held", NULL};
+    static const volume good[] = {
+        {1, 0.3, 80, 85}, {8, 4, 60, 70}, {64, 48, 30, 45}, {1, 0.3, 120, 125}};
+    /* half as fast per voxel; the vote's share falls; the picture gains less */
+    static const volume bad[] = {
+        {1, 0.9, 30, 35}, {8, 6, 60, 70}, {128, 64, 80, 95}, {1, 0.3, 80, 85}};
+    add_volumes(good, yes);
+    add_volumes(bad, no);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(octrees_of_tetrahedra),
+        cmocka_unit_test(sparse_volumes),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
