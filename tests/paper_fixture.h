@@ -151,6 +151,16 @@ static inline double value_at(const bb_findings *f, const char *scene, bb_figure
 
 /* ---- claims ---- */
 
+/* The reproduction of the paper by these findings, which is added to the results. */
+static inline const cJSON *reproduce(const char *name, const bb_findings *all, bb_results *results)
+{
+    const bb_paper *paper;
+    ASSERT_OK(bb_paper_find(name, &paper));
+    ASSERT_OK(bb_reproduction_add(paper, all, results));
+    const cJSON *list = cJSON_GetObjectItem(bb_results_json(results), "reproductions");
+    return cJSON_GetArrayItem(list, cJSON_GetArraySize(list) - 1);
+}
+
 /* The codes' costs on both scenes; experiment 2 of the paper emc has what it varies. */
 typedef struct code_costs {
     double sort[2], var[2];
@@ -160,10 +170,9 @@ static const char *const mc64 = "emc:code=mc64,box=scene";
 static const char *const sort64 = "emc:code=emc64-sort,box=scene";
 static const char *const var64 = "emc:code=emc64-var,box=scene";
 
-static inline cJSON *reproduce_emc(bb_results *results, code_costs cost, const double speed[2])
+static inline const cJSON *reproduce_emc(bb_results *results, code_costs cost,
+                                         const double speed[2])
 {
-    const bb_paper *paper = NULL;
-    assert_int_equal(bb_paper_find("emc", &paper), BB_OK);
     bb_findings all[BB_EXPERIMENTS_MAX];
     for (int e = 0; e < BB_EXPERIMENTS_MAX; e++) /* of those after the fourth there is nothing */
         all[e] = findings_of(results, bb_results_next_build(results));
@@ -181,22 +190,25 @@ static inline cJSON *reproduce_emc(bb_results *results, code_costs cost, const d
         }
         all[e] = findings_of(results, first);
     }
-    assert_int_equal(bb_reproduction_add(paper, all, results), BB_OK);
-    cJSON *reproductions = cJSON_GetObjectItem(bb_results_json(results), "reproductions");
-    return cJSON_GetArrayItem(reproductions, cJSON_GetArraySize(reproductions) - 1);
+    return reproduce("emc", all, results);
 }
 
-/* Whether the claim with these words held. */
-static inline const cJSON *claim_with(const cJSON *reproduction, const char *words)
+static inline const cJSON *claim_of(const cJSON *reproduction, const char *words)
 {
     const cJSON *claim;
     cJSON_ArrayForEach(claim, cJSON_GetObjectItem(reproduction, "claims"))
     {
         if (strstr(bb_json_text(claim, "claim"), words) != NULL)
-            return cJSON_GetObjectItem(claim, "held");
+            return claim;
     }
     fail_msg("no claim with '%s'", words);
     return NULL;
+}
+
+/* Whether the claim with these words held. */
+static inline const cJSON *claim_with(const cJSON *reproduction, const char *words)
+{
+    return cJSON_GetObjectItem(claim_of(reproduction, words), "held");
 }
 
 /* A text that comes after it in the same claim. */
@@ -211,7 +223,7 @@ static inline const char *text_after(const cJSON *held, const char *name)
 /* The verdict on it. */
 static inline const char *verdict_with(const cJSON *reproduction, const char *words)
 {
-    return text_after(claim_with(reproduction, words), "verdict");
+    return bb_json_text(claim_of(reproduction, words), "verdict");
 }
 
 static inline const char *why_of(const cJSON *held)

@@ -407,10 +407,7 @@ static void nothing_measured_judges_nothing(void **state)
         bb_findings all[BB_EXPERIMENTS_MAX];
         for (int e = 0; e < BB_EXPERIMENTS_MAX; e++)
             all[e] = findings_of(results, 0);
-        assert_int_equal(bb_reproduction_add(*p, all, results), BB_OK);
-        const cJSON *r =
-            cJSON_GetArrayItem(cJSON_GetObjectItem(bb_results_json(results), "reproductions"), 0);
-        const cJSON *claim;
+        const cJSON *claim, *r = reproduce((*p)->name, all, results);
         cJSON_ArrayForEach(claim, cJSON_GetObjectItem(r, "claims"))
         {
             if (!cJSON_IsNull(cJSON_GetObjectItem(claim, "held")))
@@ -491,6 +488,7 @@ static void bad_input_is_refused(void **state)
         {"emc --quick --repeats 3", "--quick"},
         {"emc --scene nowhere.glb --quick", "nowhere.glb"},
         {"emc --speed", "--speed"},
+        {"volume --quick --scene cube", "--scene"},
     };
     const char *folder = sample_folder("reproduce");
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {

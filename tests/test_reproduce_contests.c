@@ -42,12 +42,8 @@ static void begin(bb_findings all[BB_EXPERIMENTS_MAX], char **names, size_t coun
 /* Compares the verdicts with those expected, in order. */
 static void end(const char *name, bb_findings all[BB_EXPERIMENTS_MAX], const char *const *verdicts)
 {
-    const bb_paper *paper;
     bb_results *results = new_results();
-    ASSERT_OK(bb_paper_find(name, &paper));
-    ASSERT_OK(bb_reproduction_add(paper, all, results));
-    const cJSON *claim,
-        *r = cJSON_GetArrayItem(cJSON_GetObjectItem(bb_results_json(results), "reproductions"), 0);
+    const cJSON *claim, *r = reproduce(name, all, results);
     cJSON_ArrayForEach(claim, cJSON_GetObjectItem(r, "claims"))
     {
         if (strcmp(bb_json_text(claim, "verdict"), *verdicts) != 0)

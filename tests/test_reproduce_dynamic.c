@@ -79,7 +79,6 @@ static made_up *make(const times t[BB_DYNAMIC_METHODS], double refit_trace)
 
 static const cJSON *evaluate(const made_up *d, bb_results *results)
 {
-    const bb_paper *paper = NULL;
     char *names[BB_DYNAMIC_SCENES];
     bb_findings f = {.scenes = names, .scene_count = BB_DYNAMIC_SCENES};
     ASSERT_OK(bb_table_create("reproduce", &f.table));
@@ -88,10 +87,9 @@ static const cJSON *evaluate(const made_up *d, bb_results *results)
         bb_dynamic_add(f.table, (bb_dynamic_scene)s, &d->scenes[s], 0, 64, 48);
         bb_dynamic_add(f.table, (bb_dynamic_scene)s, &d->small[s], BB_DYNAMIC_METHODS, 8, 6);
     }
-    assert_int_equal(bb_paper_find("dynamic", &paper), BB_OK);
-    assert_int_equal(bb_reproduction_add(paper, &f, results), BB_OK);
+    const cJSON *r = reproduce("dynamic", &f, results);
     bb_table_free(f.table);
-    return cJSON_GetArrayItem(cJSON_GetObjectItem(bb_results_json(results), "reproductions"), 0);
+    return r;
 }
 
 static void release(made_up *d)
@@ -103,27 +101,15 @@ static void release(made_up *d)
     free(d);
 }
 
-static const cJSON *find_claim(const cJSON *reproduction, const char *words)
-{
-    const cJSON *claim;
-    cJSON_ArrayForEach(claim, cJSON_GetObjectItem(reproduction, "claims"))
-    {
-        if (strstr(bb_json_text(claim, "claim"), words) != NULL)
-            return claim;
-    }
-    fail_msg("no claim '%s'", words);
-    return NULL;
-}
-
 static bool held(const cJSON *reproduction, const char *words)
 {
-    return cJSON_IsTrue(cJSON_GetObjectItem(find_claim(reproduction, words), "held"));
+    return cJSON_IsTrue(claim_with(reproduction, words));
 }
 
 /* Not undecided. */
 static bool refuted(const cJSON *reproduction, const char *words)
 {
-    return cJSON_IsFalse(cJSON_GetObjectItem(find_claim(reproduction, words), "held"));
+    return cJSON_IsFalse(claim_with(reproduction, words));
 }
 
 static const char *const few = "two orders of magnitude", *const many = "six to eight times",
@@ -153,7 +139,7 @@ static void a_shuffle_decides(void **state)
     assert_true(refuted(r, shuffled));
     assert_true(refuted(r, kitchen)); /* faster than rebuilt trees, here */
     assert_true(held(r, fall));
-    assert_non_null(strstr(bb_json_text(find_claim(r, few), "why"), "60 of 600 objects move"));
+    assert_non_null(strstr(bb_json_text(claim_of(r, few), "why"), "60 of 600 objects move"));
     bb_results_destroy(results);
     release(d);
 }
@@ -191,8 +177,7 @@ static void few_rounds_tell_no_evenness(void **state)
     for (int s = 0; s < BB_DYNAMIC_SCENES; s++)
         d->scenes[s].rounds = 2;
     bb_results *results = new_results();
-    assert_string_equal(bb_json_text(find_claim(evaluate(d, results), even), "verdict"),
-                        "undecided: too few rounds");
+    assert_string_equal(verdict_with(evaluate(d, results), even), "undecided: too few rounds");
     bb_results_destroy(results);
     release(d);
 }

@@ -51,9 +51,7 @@ static void add_centred(bb_results *results, int id, const made_up *m)
  * wider radii, which costs 89 and 85. */
 static const cJSON *reproduce_with(bb_results *results, const made_up methods[EMC_METHODS])
 {
-    const bb_paper *paper = NULL;
     bb_findings all[BB_EXPERIMENTS_MAX];
-    assert_int_equal(bb_paper_find("emc", &paper), BB_OK);
     for (int e = 0; e < BB_EXPERIMENTS_MAX; e++)
         all[e] = findings_of(results, 0);
     for (int i = 0; i < EMC_METHODS; i++)
@@ -70,9 +68,7 @@ static const cJSON *reproduce_with(bb_results *results, const made_up methods[EM
         add_build(results, scenes[s], bb_emc_radii[1].builder, 85, 10);
     }
     all[EMC_CENTRED] = findings_of(results, first);
-    assert_int_equal(bb_reproduction_add(paper, all, results), BB_OK);
-    const cJSON *list = cJSON_GetObjectItem(bb_results_json(results), "reproductions");
-    return cJSON_GetArrayItem(list, cJSON_GetArraySize(list) - 1);
+    return reproduce("emc", all, results);
 }
 
 static void all_better(made_up methods[EMC_METHODS])
@@ -220,9 +216,7 @@ static void builders_are_set_beside_lbvh(void **state)
 {
     (void)state;
     bb_results *results = new_results();
-    const bb_paper *paper = NULL;
     bb_findings all[BB_EXPERIMENTS_MAX];
-    assert_int_equal(bb_paper_find("emc", &paper), BB_OK);
     for (int i = 0; i < 2 * EMC_METHODS; i++) {
         int id = i / 2;
         bool more = id == EMC_AAC_HQ || id == EMC_AAC_FAST || id == EMC_PLOC || id == EMC_HPLOC;
@@ -236,9 +230,7 @@ static void builders_are_set_beside_lbvh(void **state)
     add_build(results, flat, spec_of(EMC_PLOC, "$" EMC_PLAIN_CENTRED), 90, 10);
     for (int e = 0; e < BB_EXPERIMENTS_MAX; e++)
         all[e] = findings_of(results, 0);
-    assert_int_equal(bb_reproduction_add(paper, all, results), BB_OK);
-    const cJSON *list = cJSON_GetObjectItem(bb_results_json(results), "reproductions");
-    const cJSON *r = cJSON_GetArrayItem(list, 0), *table = table_with(r, "Builders with MC-64");
+    const cJSON *r = reproduce("emc", all, results), *table = table_with(r, "Builders with MC-64");
     assert_true(number(table, "LBVH", 1) == 1 && number(table, "PLOC", 1) == 1.04);
     assert_true(number(table, "PLOC", 5) == 1.48); /* 37/25 */
     assert_true(number(table, "HLBVH", 9) == 1.167);
@@ -254,8 +246,6 @@ static void builders_are_set_beside_lbvh(void **state)
 static void every_scene_is_asked_for(void **state)
 {
     (void)state;
-    const bb_paper *paper = NULL;
-    ASSERT_OK(bb_paper_find("emc", &paper));
     for (int measured = 1; measured <= 2; measured++) {
         bb_results *results = new_results();
         bb_findings all[BB_EXPERIMENTS_MAX];
@@ -266,9 +256,7 @@ static void every_scene_is_asked_for(void **state)
         }
         for (int e = 0; e < BB_EXPERIMENTS_MAX; e++)
             all[e] = findings_of(results, 0);
-        ASSERT_OK(bb_reproduction_add(paper, all, results));
-        const cJSON *r =
-            cJSON_GetArrayItem(cJSON_GetObjectItem(bb_results_json(results), "reproductions"), 0);
+        const cJSON *r = reproduce("emc", all, results);
         assert_string_equal(verdict_with(r, "Size bits lower the cost on every scene"),
                             measured == 2 ? "held" : "cannot be tested here");
         bb_results_destroy(results);

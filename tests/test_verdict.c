@@ -130,10 +130,8 @@ static void add_ordered(bb_results *results, const char *scene, const char *buil
 /* What level 8 takes on the second scene beside the above. */
 static uint64_t more_bytes = 0;
 
-static cJSON *reproduce_octrees(bb_results *results)
+static const cJSON *reproduce_octrees(bb_results *results)
 {
-    const bb_paper *paper = NULL;
-    assert_int_equal(bb_paper_find("loose-octree", &paper), BB_OK);
     bb_findings all[BB_EXPERIMENTS_MAX];
     for (int e = 0; e < 4; e++) {
         uint32_t first = bb_results_next_build(results);
@@ -154,8 +152,7 @@ static cJSON *reproduce_octrees(bb_results *results)
         }
         all[e] = findings_of(results, first);
     }
-    assert_int_equal(bb_reproduction_add(paper, all, results), BB_OK);
-    return cJSON_GetArrayItem(cJSON_GetObjectItem(bb_results_json(results), "reproductions"), 0);
+    return reproduce("loose-octree", all, results);
 }
 
 /* All that depend on times; by the made-up ones they hold, but for LOBVH's slowness on triangles.

@@ -86,6 +86,9 @@ static bb_status picture(const bb_reproduce_request *request, uint32_t side, con
 static bb_status measure(const bb_reproduce_request *request, bb_findings *f, bool *wrong)
 {
     uint64_t side = request->quick ? 24 : 64, full = side;
+    if (request->scene_count > 0)
+        return bb_fail(BB_INVALID,
+                       "reproduce volume: leave --scene out: its volumes are made here");
     for (uint32_t count = 0; count < (request->quick ? 2 : SIZES_MAX); count++, side *= 2) {
         const uint64_t bricks = side / BRICK * (side / BRICK) * (side / BRICK);
         if (bricks > request->max_prims)
