@@ -110,6 +110,18 @@ static void no_scene_is_left_out(void **state)
     const bb_paper_series s = bb_figure_series((bb_paper_place){.all = &f, .view = -1}, &any);
     assert_int_equal(s.count, 3 * 128);
     assert_string_equal(s.places[s.count - 1].scene, "s127");
+    /* of a table's columns some are, which it says */
+    static const bb_paper_entrant rows[] = {{.name = "row", .builder = "x"}, {.name = NULL}};
+    static const bb_paper_column columns[] = {{.heading = "", .shown = BB_SHOW_SCENES},
+                                              {.heading = NULL}};
+    static const bb_paper_table tables[] = {
+        {.title = "all", .columns = columns, .figure = &any, .rows = rows}, {.title = NULL}};
+    const bb_paper paper = {.name = "made-up", .title = "", .tables = tables};
+    bb_results *results = new_results();
+    ASSERT_OK(bb_reproduction_add(&paper, &f, results));
+    const cJSON *list = cJSON_GetObjectItem(bb_results_json(results), "reproductions");
+    table_with(cJSON_GetArrayItem(list, 0), "all (columns: the first 23 of 128 scenes)");
+    bb_results_destroy(results);
     bb_table_free(f.table);
 }
 
@@ -161,6 +173,7 @@ static void means_leave_out_what_is_missing(void **state)
     for (int i = 0; i < 2000; i++) /* what does not fit is left out */
         bb_say(&words, "%d ", i);
     assert_true(words.length == strlen(words.text) && words.length < sizeof words.text);
+    assert_string_equal(words.text + words.length - 3, "...");
     bb_results_destroy(results);
 }
 

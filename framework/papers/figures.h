@@ -131,7 +131,7 @@ double bb_series_most(const bb_paper_series *s);
 
 /* ---- texts ---- */
 
-/* A text that grows; what does not fit is left out. A zeroed one is empty. */
+/* A text that grows; what does not fit is left out, and "..." says so. A zeroed one is empty. */
 typedef struct bb_words {
     char text[4000];
     size_t length;

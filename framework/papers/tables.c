@@ -250,11 +250,15 @@ static void begin(const filling *t)
     if (t->table->title_words != NULL)
         t->table->title_words((bb_paper_place){.all = t->f, .view = -1}, &title);
     for (const bb_paper_column *c = t->table->columns; c->heading != NULL; c++)
-        if (c->shown != BB_SHOW_SCENES)
+        if (c->shown != BB_SHOW_SCENES) {
             columns[count++] = c->heading;
-        else
+        } else {
             for (size_t s = 0; s < scenes_shown(t); s++)
                 columns[count++] = t->f->scenes[s];
+            if (t->f->scene_count > SCENES_SHOWN)
+                bb_say(&title, " (columns: the first %d of %zu scenes)", SCENES_SHOWN,
+                       t->f->scene_count);
+        }
     bb_paper_table_begin(t->out, title.text, columns);
 }
 

@@ -17,6 +17,8 @@ void bb_say(bb_words *words, const char *format, ...)
     va_end(arguments);
     if (length > 0)
         words->length += (size_t)length < room ? (size_t)length : room - 1;
+    if (length >= (int)room)
+        memcpy(words->text + words->length - 3, "...", 3);
 }
 
 void bb_say_estimate(bb_words *words, bb_estimate e)
