@@ -8,10 +8,10 @@
 #include <stdio.h>
 #include <string.h>
 
-/* What two clocks may differ by, and what starting and stopping them takes. */
+/* Tolerances: by how much two clocks may differ, and how long starting and stopping them takes. */
 static const double clock_share = 0.01, clock_ms = 0.05;
 
-/* What may remain unaccounted for: looking at clocks, shuffling, keeping records. */
+/* Time that may remain unaccounted for: reading clocks, shuffling, keeping records. */
 static const double rest_share = 0.02, rest_ms = 200;
 
 static void complain(bb_audit *audit, const char *format, ...)
@@ -54,7 +54,7 @@ void bb_audit_launches(bb_audit *audit, const char *what, uint64_t timed, uint64
                  (unsigned long long)launched);
 }
 
-/* Is this median, as printed, long enough for what the device saw? */
+/* Checks that the printed median is at least the time that the device saw. */
 static void audit_median(bb_audit *audit, const bb_entry *entry, bb_field_id field)
 {
     bool is_build = bb_fields[field].part == BB_IN_BUILD;
@@ -69,8 +69,8 @@ static void audit_median(bb_audit *audit, const bb_entry *entry, bb_field_id fie
                  bb_fields[field].name, shown, seen);
 }
 
-/* From the document itself, so that nothing between the clock and the printed figure is left
- * out. */
+/* Reads the document itself, so that the audit covers all steps from the clock to the printed
+ * figure. */
 void bb_audit_rates(bb_audit *audit, bb_results *results)
 {
     bb_each(trace, bb_results_section(results, BB_TRACES))

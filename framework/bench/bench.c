@@ -1,4 +1,4 @@
-/* The comparison: what was asked for is tried, compiled, and run scene by scene. */
+/* The comparison: tries and compiles all that was requested, then runs it scene by scene. */
 #include "framework/bench/bench_private.h"
 
 #include "framework/base/clock.h"
@@ -45,8 +45,8 @@ void bb_bench_shuffle(bb_bench *bench, uint32_t *order, uint32_t count)
     bench->random = bb_random_u64(&random);
 }
 
-/* A scene that can't be loaded shall be found out before hours of work, and before minutes of
- * compiling. The first is kept. */
+/* Loads each scene once, so that a scene that cannot be loaded is found before hours of work. The
+ * first scene is kept. */
 static bb_status try_scenes(bb_bench *bench)
 {
     bb_step step = bb_bench_begin(bench);
@@ -56,7 +56,7 @@ static bb_status try_scenes(bb_bench *bench)
         if (scene == NULL)
             BB_TRY(bb_scene_load(bench->request->scenes[i], &scene));
         bb_status status = bb_bench_check_views(bench, scene, bench->request->scenes[i]);
-        if (status == BB_OK) { /* or its message would be lost */
+        if (status == BB_OK) { /* else its message would be lost */
             bench->parts[i] = bb_bench_part_of(bench, scene, bench->request->scenes[i]);
             bench->sets += bench->request->shard != NULL
                                ? bench->parts[i].own
@@ -71,7 +71,7 @@ static bb_status try_scenes(bb_bench *bench)
     return bb_bench_end(bench, step, "load and profile scenes", BB_OK);
 }
 
-/* The same for parameters of builders: what create() finds wrong is found out now. */
+/* Creates each builder once, so that wrong parameters are found before the work. */
 static bb_status try_builders(bb_bench *bench)
 {
     const bb_bench_request *request = bench->request;
@@ -83,7 +83,7 @@ static bb_status try_builders(bb_bench *bench)
     return bb_bench_end(bench, step, "compile builders", BB_OK);
 }
 
-/* What every trace needs, taken before trees can fill the device. */
+/* Allocates the buffers of traces before trees can fill the device. */
 static bb_status start_buffers(bb_bench *bench)
 {
     const bb_bench_request *request = bench->request;
@@ -122,8 +122,7 @@ bool bb_bench_takes(const bb_bench *bench, const bb_entrant *entrant, uint32_t k
     return entrant->record.has_tree;
 }
 
-/* The layout that the kernel reads, with triangles in `form`: one that is there already, or a new
- * one. */
+/* Finds the layout that the kernel reads, with triangles in `form`, or adds it. */
 static bb_status start_layout(bb_bench *bench, bb_kernel_choice *choice, uint32_t format)
 {
     const bb_layout *layout = bb_layout_find(choice->kernel->layout);
@@ -206,7 +205,7 @@ static void free_first(bb_bench *bench)
     bench->first = NULL;
 }
 
-/* Unless another shard has all of it. */
+/* Runs a scene, unless all of it belongs to other shards. */
 static bb_status run_scene(bb_bench *bench, uint32_t index)
 {
     bench->part = &bench->parts[index];

@@ -11,17 +11,17 @@
 #include <stdbool.h>
 #include <string.h>
 
-/* A part of the cells. They are dealt out by ray set, so that all cells that are interleaved, and
- * compared by ratios, stay together: set k of the comparison (scene by scene, each with its rays in
- * order, and one of its own for a scene without rays) is of part k modulo `count`. A scene's builds
- * are of the part of its first set; the parts of the others build too, for their traces, but
- * measure nothing of it. */
+/* A part of the cells. Ray sets are dealt out as a whole, so that cells that are interleaved and
+ * compared by ratios stay together. Ray sets are numbered scene by scene, in the order of the rays;
+ * a scene without rays counts as one set. Set k belongs to part k modulo `count`. The builds of a
+ * scene belong to the part of its first set; other parts build the trees for their traces, but do
+ * not measure them. */
 typedef struct bb_shard {
     uint32_t index, count; /* from 1 */
-    uint32_t next;         /* number of the next set; goes on from one comparison to the next */
+    uint32_t next;         /* number of the next set; counts on over all comparisons of a run */
 } bb_shard;
 
-enum { BB_LAYOUT_REPEATS = 5 }; /* of transfers and of layouts, after the first */
+enum { BB_LAYOUT_REPEATS = 5 }; /* repetitions of transfers and layouts, after a first one */
 
 typedef struct bb_bench_request {
     bb_device *device;
@@ -31,68 +31,70 @@ typedef struct bb_bench_request {
     uint32_t builder_count;
     char *const *kernels;
     uint32_t kernel_count;
-    /* with trees whose shape none of `kernels` keeps, also those that keep any tree's */
+    /* for trees whose shape no kernel of `kernels` keeps, also trace with the kernels that keep any
+     * shape */
     bool native;
     char *const *intersectors;
     uint32_t intersector_count;
     char *const *workloads;
     uint32_t workload_count;
     uint32_t width, height; /* of primary rays */
-    uint32_t max_rays;      /* per scene and workload, for the sampled ones */
-    uint32_t max_views;     /* of a scene that per-view rays are made for; 0: all */
-    uint32_t repeats;       /* rounds that count; one more comes first */
+    uint32_t max_rays;      /* most rays per scene, for workloads that sample */
+    uint32_t max_views;     /* most views per scene for rays that are made per view; 0: all */
+    uint32_t repeats;       /* counting rounds, after a discarded one */
     uint64_t seed;
     char *const *metrics; /* names of metrics of trees, besides those that are always measured */
     uint32_t metric_count;
     double max_wrong_ppm;
-    const bb_cell_parts *cells; /* canonical: of all combinations only these cells are measured */
+    const bb_cell_parts *cells; /* canonical; only these of all combinations are measured */
     uint32_t cell_count;        /* 0: all */
     bb_shard *shard;            /* NULL: all cells */
-    /* Of all combinations only those that this says are measured, with texts as above, NULL for
-     * any; NULL: all. */
+    /* Decides which combinations are measured; NULL: all. It gets texts as above, or NULL, which
+     * stands for any. */
     bool (*takes)(const void *user, const char *builder, const char *kernel,
                   const char *intersector);
     const void *user;
-    /* The one scene of `scenes` and its oracle, where they are there already; the caller's. NULL:
-     * both are made here. */
+    /* The only scene of `scenes` and its oracle, if the caller has made them; the caller owns both.
+     * NULL: the run makes them. */
     bb_scene *scene;
     bb_oracle *oracle;
-    /* Only what a time to image is made of: no tests per ray, no builds for the times of phases, no
-     * sampled metrics. */
+    /* Measures only what a time to image needs: no tests per ray, no phase times, no sampled
+     * metrics. */
     bool lean;
-    /* Told now and then which share of the work is done; NULL: nobody. */
+    /* Called now and then with the share of the work that is done; may be NULL. */
     void (*tell)(void *whom, double share);
     void *whom;
     const char *picture_folder; /* NULL: no pictures */
     bool quiet;                 /* no progress on standard error */
 } bb_bench_request;
 
-/* For takes(), and for reading the record: whether what is asked for, NULL for any, is this. */
+/* Returns whether `asked` is this text, or NULL, which stands for any. For takes() and for readers
+ * of the record. */
 static inline bool bb_bench_fits(const char *asked, const char *text)
 {
     return asked == NULL || strcmp(asked, text) == 0;
 }
 
-/* Wall times of a comparison: timed builds, timed traces, all of it. */
+/* Wall times of a comparison: timed builds, timed traces, the whole. */
 typedef struct bb_bench_times {
     double build_ms, trace_ms, total_ms;
 } bb_bench_times;
 
 typedef struct bb_bench_outcome {
-    /* cells of ours with the intersector `exact` that have more wrong answers than max_wrong_ppm,
-     * or answers unlike those of other such cells, or failed; builds that failed */
+    /* builds that failed, and cells of ours with the intersector `exact` that failed, have more
+     * wrong answers than max_wrong_ppm, or differ from other such cells in their answers */
     uint32_t wrong;
-    uint32_t unbuilt;  /* builders of which there is no tree of any scene */
-    uint32_t unjudged; /* scenes of which not a single answer was judged */
-    /* of trees, scratch and layouts, by their accounts: the most that was held at a time */
+    uint32_t unbuilt;  /* builders that built no tree of any scene */
+    uint32_t unjudged; /* scenes of which no answer was judged */
+    /* most bytes of trees, scratch and layouts that were held at a time, by their accounts */
     uint64_t bytes_held;
     bb_bench_times times;
     bb_audit audit;
 } bb_bench_outcome;
 
-/* Runs the comparison into `results`, which may hold others already. A cell that fails becomes a
- * record with status and reason; only what makes the whole comparison impossible (a scene that
- * can't be loaded, a device that fails) ends it; what was measured until then is in `results`. */
+/* Runs the comparison and adds its records to `results`. A cell that fails becomes a record with
+ * status and reason. The comparison ends early only if it cannot go on (a scene cannot be loaded,
+ * the device fails); `results` then has what was measured before. */
 bb_status bb_bench_run(const bb_bench_request *request, bb_results *results,
                        bb_bench_outcome *outcome);
 
@@ -102,8 +104,8 @@ void bb_bench_outcome_add(bb_bench_outcome *sum, const bb_bench_outcome *more);
 /* Checks the names and parameters of a request before anything is loaded. */
 bb_status bb_bench_check(const bb_bench_request *request);
 
-/* Of all that decides which cells are measured, and how; not of the shard. `hash`: what comes
- * before, 0 if nothing does. */
+/* Returns a hash of all that decides which cells are measured and how, except the shard. `hash` is
+ * that of earlier requests, or 0. */
 uint64_t bb_bench_request_hash(const bb_bench_request *request, uint64_t hash);
 
 #endif

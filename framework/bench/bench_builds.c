@@ -1,4 +1,4 @@
-/* Builds: all entrants interleaved, in an order shuffled per round; then what is measured of their
+/* Builds all entrants, interleaved in an order that is shuffled per round; then measures their
  * trees. */
 #include "framework/bench/bench_private.h"
 
@@ -11,13 +11,12 @@
 #include <string.h>
 
 enum {
-    /* builds with exact phase boundaries, made apart from those that count where the work is on the
-     * device */
+    /* builds with exact phase boundaries; on a device they are extra builds, which do not count */
     PHASE_BUILDS = 3,
     METRIC_SAMPLES = 1000000,
 };
 
-/* Phases of a pipeline have their stage's name before their own. */
+/* Adds the phases of a step. In a pipeline, the stage's name stands before the phase's. */
 static void add_phases(bb_entrant *entrant, const bb_build_step *step)
 {
     bb_build_record *record = &entrant->record;
@@ -40,7 +39,7 @@ static void add_phases(bb_entrant *entrant, const bb_build_step *step)
     }
 }
 
-/* What each step of a pipeline took, in time and in memory, beside their sum. */
+/* Adds time and memory of each step of a pipeline. */
 static void add_steps(bb_entrant *entrant)
 {
     bb_build_record *record = &entrant->record;
@@ -59,8 +58,8 @@ static void add_steps(bb_entrant *entrant)
 
 /* ---- transfers ---- */
 
-/* What stages on the host need moved, see bb_instance_transfer(). A pipeline on the device needs
- * nothing moved. The first time, on fresh memory, is left out of the median. */
+/* Times the transfers that stages on the host need (bb_instance_transfer()). A pipeline on the
+ * device needs none. The first transfer, on fresh memory, does not enter the median. */
 static bb_status measure_transfer(bb_bench *bench, bb_entrant *entrant)
 {
     if (bb_pipeline_on_device(&entrant->pipeline) == entrant->pipeline.count)
@@ -74,7 +73,8 @@ static bb_status measure_transfer(bb_bench *bench, bb_entrant *entrant)
     return bb_bench_end(bench, step, "transfers", BB_OK);
 }
 
-/* A hand-over between work-groups that fails now and then shows in one tree of many. */
+/* Checks a tree. Every tree is checked: a hand-over between work-groups may fail only now and then.
+ */
 static bb_status check_tree(bb_bench *bench, bb_entrant *entrant)
 {
     bb_step step = bb_bench_begin(bench);
@@ -84,7 +84,7 @@ static bb_status check_tree(bb_bench *bench, bb_entrant *entrant)
     return bb_bench_end(bench, step, "check trees, SAH", BB_OK);
 }
 
-/* What the device's clock, or that of a host builder's own phases, saw must lie within the wall
+/* Checks that the time by the device's clock, or by a host builder's phases, lies within the wall
  * time. */
 static void audit_step(bb_bench *bench, const bb_entrant *entrant, const bb_build_step *step)
 {
@@ -157,7 +157,8 @@ static bool is_requested(const bb_bench *bench, const bb_metric *metric)
     return false;
 }
 
-/* The metrics that are always measured, or those on request; what is sampled is a step of its own.
+/* Measures the metrics that are always measured, or those on request, which are sampled and booked
+ * as a step.
  */
 static bb_status measure_metrics(bb_bench *bench, bb_entrant *entrant, bool on_request)
 {
@@ -180,8 +181,8 @@ static double sah_of_tree(const bb_entrant *entrant)
     return entrant->record.metrics[bb_metric_of_layouts()].value;
 }
 
-/* Of the trees that the stages of a pipeline left; the last one's has been measured. A tree for
- * which the host has no room beside all else stays without the figure. */
+/* Measures the SAH of the trees between the stages of a pipeline; that of the last is known. A tree
+ * that the host has no room for gets no figure. */
 static bb_status measure_stages(bb_entrant *entrant)
 {
     bb_build_record *record = &entrant->record;
@@ -199,7 +200,7 @@ static bb_status measure_stages(bb_entrant *entrant)
     return BB_OK;
 }
 
-/* Correctness of the tree, then its figures. */
+/* Checks the tree, then measures its figures. */
 static bb_status measure_tree(bb_bench *bench, bb_entrant *entrant)
 {
     bb_build_record *record = &entrant->record;
@@ -219,7 +220,7 @@ static bb_status measure_tree(bb_bench *bench, bb_entrant *entrant)
     return bb_bench_owns_builds(bench) ? measure_metrics(bench, entrant, true) : BB_OK;
 }
 
-/* What fails because the run is ending did not fail. */
+/* Records a failure, unless it failed because the run was interrupted. */
 static void note_failure(bb_entrant *entrant, bb_status status)
 {
     if (bb_interrupted())
@@ -229,7 +230,8 @@ static void note_failure(bb_entrant *entrant, bb_status status)
     bb_resident_evict(entrant);
 }
 
-/* The first build, on fresh memory, is the reference's cold one, as the others have theirs. */
+/* Builds the reference row's tree. Its first build, on fresh memory, is its cold one, as for
+ * others. */
 static bb_status build_reference(bb_bench *bench, bb_entrant *entrant)
 {
     bb_build_record *record = &entrant->record;
@@ -255,7 +257,7 @@ static bb_status build_once(bb_bench *bench, bb_entrant *entrant, bool exact)
 {
     if (entrant->reference)
         return exact ? BB_OK : build_reference(bench, entrant);
-    /* the phases of a builder on the host were exact all along */
+    /* the phases of a builder on the host are always exact */
     if (exact && bb_pipeline_on_device(&entrant->pipeline) == 0)
         return BB_OK;
     if (!exact)
@@ -271,8 +273,8 @@ static void finish_phases(bb_entrant *entrant)
         entrant->record.phases[i].ms = bb_samples_median(&entrant->phase_samples[i]);
 }
 
-/* Makes it some times more, for its time, when it is the first of its name. The one that is there
- * paid for fresh memory: it is kept, and left out of the median. */
+/* Makes the layout a few more times to time it, unless one of its name was timed. The first time,
+ * on fresh memory, is recorded but does not enter the median. */
 static bb_status measure_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layout)
 {
     bb_build_record *record = &entrant->record;
@@ -299,8 +301,7 @@ static bb_status measure_layout(bb_bench *bench, bb_entrant *entrant, uint32_t l
     return BB_OK;
 }
 
-/* Is there a cell of this entrant's with this kernel and intersector among those that are to be
- * measured? */
+/* Returns whether a cell of this entrant, kernel and intersector is to be measured. */
 static bool wants_layout(const bb_bench *bench, const bb_entrant *entrant, uint32_t kernel,
                          uint32_t intersector)
 {
@@ -312,8 +313,8 @@ static bool wants_layout(const bb_bench *bench, const bb_entrant *entrant, uint3
     return bb_bench_wants(bench, &parts);
 }
 
-/* A layout that is refused is the trace's failure, not the build's: bb_resident_layout() will say
- * so again. */
+/* Measures the layouts. A refused layout is a failure of the trace, not of the build:
+ * bb_resident_layout() reports it again. */
 static void measure_layouts(bb_bench *bench, bb_entrant *entrant)
 {
     for (uint32_t k = 0; k < bench->kernel_count; k++)
@@ -330,7 +331,7 @@ static void measure_layouts(bb_bench *bench, bb_entrant *entrant)
         }
 }
 
-/* Of a build that another shard measures, only the tree is known: here it was built once. */
+/* Removes the times of a build that another shard measures: here it was only built once. */
 static void forget_times(bb_build_record *record)
 {
     bb_samples *const samples[] = {&record->build_ms, &record->event_ms, &record->cpu_ms,
@@ -351,7 +352,7 @@ void bb_bench_note_warming(bb_bench *bench, const char *what, const bb_warming *
                          bench->scene->name, what, warming->rounds);
 }
 
-/* One build, which is in no sample; 0 ms for one on the host. */
+/* Builds once, outside the samples; *ms is 0 for a builder on the host. */
 static bb_status warm_once(bb_bench *bench, bb_entrant *entrant, double *ms)
 {
     bb_build_timing timing;
@@ -364,7 +365,7 @@ static bb_status warm_once(bb_bench *bench, bb_entrant *entrant, double *ms)
     return bb_bench_end(bench, step, "warming up", status);
 }
 
-/* As with traces: a device that is no CPU builds until its clocks have settled. */
+/* Builds on a device that is no CPU until its clocks have settled, as traces do. */
 static void warm_up(bb_bench *bench)
 {
     bb_warming warming = {.rounds = 0};

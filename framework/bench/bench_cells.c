@@ -1,4 +1,4 @@
-/* Which cells are measured: keys of what is at hand, and those that were asked for. */
+/* Which cells are measured: makes the keys of cells and compares them with the requested ones. */
 #include "framework/bench/bench_private.h"
 
 #include <stdio.h>
@@ -28,7 +28,7 @@ static bool fits(const char *part, const char *wanted)
     return part[0] == '\0' || strcmp(part, wanted) == 0;
 }
 
-/* NULL for any. */
+/* Returns NULL, which stands for any, for "". */
 static const char *or_any(const char *part)
 {
     return part[0] != '\0' ? part : NULL;

@@ -1,4 +1,4 @@
-/* What the parts of the comparison share: bench.c, resident.c, and above them bench_builds.c and
+/* Shared by the files of the comparison: bench.c, resident.c, and above them bench_builds.c and
  * bench_traces.c. */
 #ifndef BB_BENCH_PRIVATE_H
 #define BB_BENCH_PRIVATE_H
@@ -18,11 +18,10 @@
 enum {
     BB_ENTRANTS_MAX = 64,
     BB_KERNELS_MAX =
-        BB_LAYOUTS_MAX / BB_FORMAT_COUNT, /* a build's record has room for their layouts */
-    /* rays per launch: their buffers stay small beside trees, and a set of any size can be
-     * traced */
+        BB_LAYOUTS_MAX / BB_FORMAT_COUNT, /* the layouts of so many fit into a build's record */
+    /* rays per launch: buffers stay small beside trees, and sets of any size can be traced */
     BB_BATCH = 1 << 22,
-    /* rays that the counting variant traces: a mean over so many is sure to half a percent */
+    /* rays that the counting variant traces: the mean over so many is accurate to half a percent */
     BB_COUNTED_RAYS = 1 << 14,
 };
 
@@ -31,25 +30,25 @@ typedef struct bb_kernel_choice {
     const bb_kernel *kernel;
     bb_spec spec;
     uint32_t leaf;
-    uint32_t layouts
-        [BB_FORMAT_COUNT]; /* what it reads, in bb_bench.layouts, with triangles in each format */
-    bool noted, capped;    /* what the user is to know of it has been said */
-    bool native_only; /* not asked for: for trees whose shape no kernel that was asked for keeps */
+    /* for each format of triangles, the index in bb_bench.layouts of what it reads */
+    uint32_t layouts[BB_FORMAT_COUNT];
+    bool noted, capped; /* notes that the user has been given */
+    bool native_only;   /* not asked for; only for trees whose shape no requested kernel keeps */
 } bb_kernel_choice;
 
 /* A layout of leaves with up to `leaf` references and triangles in one form; all kernels and
- * intersectors that read the same share it. */
+ * intersectors that read it share it. */
 typedef struct bb_layout_choice {
     bb_layout_maker maker;
     uint32_t leaf;
     uint32_t format; /* BB_FORMAT_... */
 } bb_layout_choice;
 
-/* A builder on the scene: what it has in memory at present, and its record. */
+/* A builder on the current scene: what it has in memory now, and its record. */
 typedef struct bb_entrant {
     const char *text;
     bool reference;
-    bb_spec spec;         /* of one builder alone and of references; else only its text */
+    bb_spec spec;         /* of a single builder or a reference; of a pipeline only the text */
     bb_pipeline pipeline; /* of a builder */
     bb_instance instance; /* alive while instance.pipeline.count > 0 */
     bool built;           /* instance.tree holds a tree */
@@ -57,16 +56,16 @@ typedef struct bb_entrant {
     bb_layout_data layouts[BB_LAYOUTS_MAX];
     bool has_layout[BB_LAYOUTS_MAX];
     bool keeps_shape
-        [BB_LAYOUTS_MAX]; /* the layout of its tree does; known since it was first made */
+        [BB_LAYOUTS_MAX]; /* the layout has the shape of the tree; known once it was made */
     bb_embree *embree;    /* of a reference row */
     bb_build_record record;
     bb_samples phase_samples[BB_RECORD_PHASES_MAX];
 } bb_entrant;
 
-/* What a shard has of a scene. */
+/* The share of a scene that belongs to this shard. */
 typedef struct bb_scene_part {
-    uint32_t first, sets; /* numbers of the scene's ray sets; one without rays counts as one */
-    uint32_t own;         /* how many of them are of this shard */
+    uint32_t first, sets; /* first number and count of the scene's ray sets; without rays 1 */
+    uint32_t own;         /* how many of them belong to this shard */
 } bb_scene_part;
 
 typedef struct bb_bench {
@@ -74,13 +73,13 @@ typedef struct bb_bench {
     bb_device *device;
     bb_results *results;
     bb_scene *scene;
-    bb_scene *first;           /* loaded before its turn, or NULL; the request's is not freed */
-    uint32_t sets;             /* ray sets of all scenes, planned */
-    bb_scene_part *parts;      /* of each scene */
-    const bb_scene_part *part; /* of the scene at hand */
+    bb_scene *first;      /* loaded before its turn, or NULL; not freed if the request owns it */
+    uint32_t sets;        /* planned ray sets of all scenes */
+    bb_scene_part *parts; /* one for each scene */
+    const bb_scene_part *part; /* of the current scene */
     uint32_t set;              /* number of its next ray set */
-    bb_bystanders bystanders;  /* since the start */
-    bool warned;               /* of them, if there was need */
+    bb_bystanders bystanders;  /* watched since the start */
+    bool warned;               /* the user was warned of bystanders */
     const char *scene_text;    /* as asked for; scene->name may be its end only */
     bb_oracle *oracle;
     bb_kernel_choice kernels[BB_KERNELS_MAX];
@@ -90,9 +89,9 @@ typedef struct bb_bench {
     uint32_t layout_count;
     bb_entrant *entrants;
     uint32_t entrant_count;
-    bool *built;          /* of each builder that was asked for: on some scene so far */
-    uint32_t next_id;     /* of builds, over all scenes */
-    uint32_t judged;      /* cells of the scene at hand */
+    bool *built;          /* for each requested builder: it has built some scene */
+    uint32_t next_id;     /* next id of a build, over all scenes */
+    uint32_t judged;      /* judged cells of the current scene */
     uint32_t traced_sets; /* of it */
     bb_samples boxes_ms;  /* of it */
     uint64_t random;      /* state of the shuffles */
@@ -108,28 +107,28 @@ typedef struct bb_bench {
     bb_account account; /* of the buffers above and of the rays */
 } bb_bench;
 
-/* A step: the time from begin to end, less what was booked meanwhile (by steps within it, builds
- * and traces), so that no millisecond is booked twice. */
+/* A step is the time from begin to end, less the time that inner steps, builds and traces booked
+ * meanwhile: no millisecond is booked twice. */
 typedef struct bb_step {
     double start;
-    double booked; /* when it began */
+    double booked; /* bench->steps_ms when the step began */
 } bb_step;
 
 bb_step bb_bench_begin(const bb_bench *bench);
 
-/* Books the step, also where `status`, which is returned, is that of a failure. */
+/* Books the step, also after a failure. Returns `status`. */
 bb_status bb_bench_end(bb_bench *bench, bb_step step, const char *name, bb_status status);
 
 /* order[0..count) = a random permutation of 0..count-1. */
 void bb_bench_shuffle(bb_bench *bench, uint32_t *order, uint32_t count);
 
-/* A scene from loading it, unless it is bench->first, to its pictures (bench_scene.c). */
+/* Runs a scene from loading, unless it is bench->first, to pictures (bench_scene.c). */
 bb_status bb_bench_scene(bb_bench *bench, const char *name);
 
-/* Builds of all entrants, interleaved; fills their records. */
+/* Measures the builds of all entrants, interleaved, and fills their records. */
 bb_status bb_bench_builds(bb_bench *bench);
 
-/* Says so if the clocks did not settle before `what` was measured. */
+/* Notes for the user if the clocks did not settle before `what` was measured. */
 void bb_bench_note_warming(bb_bench *bench, const char *what, const bb_warming *warming);
 
 /* ---- what was asked for (bench_request.c) ---- */
@@ -137,60 +136,61 @@ void bb_bench_note_warming(bb_bench *bench, const char *what, const bb_warming *
 bb_status bb_bench_parse_reference(const char *text, bb_spec *spec);
 bb_status bb_bench_parse_kernel(const char *text, bb_kernel_choice *choice);
 
-/* Ray sets of a scene with so many views. */
+/* Returns the number of ray sets of a scene with so many views. */
 uint32_t bb_bench_sets_of(const bb_bench *bench, uint32_t views);
-/* Cells that a ray set has, at most. */
+/* Returns the most cells that a ray set can have. */
 uint32_t bb_bench_cells_of_set(const bb_bench *bench);
 
-/* The layout that the kernel reads with this intersector. */
+/* Returns the index of the layout that the kernel reads with this intersector. */
 uint32_t bb_bench_layout_of(const bb_bench *bench, uint32_t kernel,
                             const bb_intersector *intersector);
 
-/* Is this entrant traced by this kernel? Known once its layouts for the kernels that were asked for
- * have been made. */
+/* Returns whether the kernel traces this entrant. This is known once the entrant's layouts for the
+ * requested kernels were made. */
 bool bb_bench_takes(const bb_bench *bench, const bb_entrant *entrant, uint32_t kernel);
 
-/* The parts of cells that all of the scene at hand share, made by the request. */
+/* Returns the parts that all cells of the current scene share, from the request. */
 bb_cell_parts bb_bench_cell(const bb_bench *bench);
-/* Into `key` the canonical key of `cell`; "" if it has none. */
+/* Writes the canonical key of `cell`; "" if it has none. */
 void bb_bench_key(const bb_cell_parts *cell, char key[BB_CELL_KEY]);
-/* Is a cell with these parts among those that are to be measured? "" stands for any. */
+/* Returns whether a cell with these parts is to be measured. "" stands for any. */
 bool bb_bench_wants(const bb_bench *bench, const bb_cell_parts *parts);
 
-/* BB_INVALID if cells that are to be measured name a view that `scene`, asked for as `text`,
- * lacks. */
+/* BB_INVALID if a requested cell names a view that `scene` lacks. `text` is the scene as requested.
+ */
 bb_status bb_bench_check_views(const bb_bench *bench, const bb_scene *scene, const char *text);
 
 /* ---- shards (bench_shard.c) ---- */
 
-/* Which ray sets the scene, asked for as `text`, has, and which of them are of this shard. */
+/* Returns the ray sets of the scene, requested as `text`, and how many belong to this shard. */
 bb_scene_part bb_bench_part_of(bb_bench *bench, const bb_scene *scene, const char *text);
-/* Whether ray set `number` is of this shard. */
+/* Returns whether ray set `number` belongs to this shard. */
 bool bb_bench_owns(const bb_bench *bench, uint32_t number);
-/* Whether builds of the scene at hand are measured here. */
+/* Returns whether this shard measures the builds of the current scene. */
 bool bb_bench_owns_builds(const bb_bench *bench);
 
-/* All cells of one ray set, interleaved; adds their records. */
+/* Measures all cells of one ray set, interleaved, and adds their records. */
 bb_status bb_bench_traces(bb_bench *bench, bb_rays *rays);
 
 /* ---- what is on the device (resident.c) ---- */
 
-/* Makes sure that the entrant's tree exists: builds it, untimed but for the first, cold time; in
- * the others' place where it does not fit beside them. */
+/* Makes sure that the entrant's tree exists. Only the first, cold build is timed. If the tree does
+ * not fit beside the others, they are evicted. */
 bb_status bb_resident_tree(bb_bench *bench, bb_entrant *entrant);
 
-/* Makes sure that layout `layout` of the entrant is on the device; evicts other entrants and builds
- * again, untimed, where memory asks for it. BB_FAILED if what was built again has another shape
- * than what was recorded. */
+/* Makes sure that layout `layout` of the entrant is on the device. If memory is short, other
+ * entrants are evicted, and trees are built again, untimed. BB_FAILED if a tree that was built
+ * again has another shape than the recorded one. */
 bb_status bb_resident_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layout);
 
-/* Makes a layout that is there once more, in its place; if that fails, it is gone. */
+/* Makes an existing layout again in its place. After a failure the layout is gone. */
 bb_status bb_resident_layout_again(bb_bench *bench, bb_entrant *entrant, uint32_t layout);
 
-/* Notes what all entrants hold at present, or held since their accounts were marked, as held. */
+/* Raises outcome->bytes_held to what all entrants hold now or held since their accounts were
+ * marked. */
 void bb_resident_note(bb_bench *bench);
 
-/* Frees what the entrant has in memory; its record stays. */
+/* Frees the entrant's trees and layouts. Its record stays. */
 void bb_resident_evict(bb_entrant *entrant);
 
 #endif

@@ -1,4 +1,4 @@
-/* A request read: its names and parameters, and how many cells they make. */
+/* Reads a request: its names and parameters, and how many cells they make. */
 #include "framework/bench/bench_private.h"
 
 #include "framework/builder/registry.h"
@@ -47,7 +47,7 @@ bb_status bb_bench_check(const bb_bench_request *request)
     return BB_OK;
 }
 
-/* At most: of all kernels, where a tree has no need of some. */
+/* Counts all kernels, although some trees may not need all of them. */
 uint32_t bb_bench_cells_of_set(const bb_bench *bench)
 {
     uint32_t cells = 0;

@@ -1,4 +1,4 @@
-/* A scene of the comparison: load, oracle, builds, ray sets, traces, pictures. */
+/* One scene of the comparison: loading, oracle, builds, ray sets, traces, pictures. */
 #include "framework/bench/bench_private.h"
 
 #include "framework/base/clock.h"
@@ -12,13 +12,14 @@
 #include <string.h>
 #include <unistd.h>
 
-/* The boxes are every builder's input, and no builder's work: what they cost is told apart. */
+/* Measures the making of the primitives' boxes. They are the input of all builders and no builder's
+ * work. */
 static bb_status measure_boxes(bb_bench *bench, bb_samples *ms)
 {
     char what[256];
     bb_step step = bb_bench_begin(bench);
     snprintf(what, sizeof what, "boxes of %.200s", bench->scene->name);
-    for (int i = 0; i <= 5; i++) { /* the first is left out of the median */
+    for (int i = 0; i <= 5; i++) { /* the first time does not enter the median */
         bb_stopwatch watch;
         bb_timing timing;
         BB_TRY(bb_stopwatch_start(bench->device, &watch));
@@ -60,7 +61,7 @@ static bb_status load_scene(bb_bench *bench, const char *name)
     return bb_results_add_scene(bench->results, bench->scene, &bench->boxes_ms);
 }
 
-/* What its record says of a builder: its parameters, or those of all its stages. */
+/* Puts the parameters of a builder, or of all its stages, into its record. */
 static void start_pipeline(bb_entrant *entrant, const char *text)
 {
     bb_build_record *record = &entrant->record;
@@ -123,7 +124,7 @@ static bb_status record_builds(bb_bench *bench)
         bb_entrant *entrant = &bench->entrants[i];
         bool measured = entrant->record.build_ms.count > 0 || entrant->record.unmeasured;
         if (entrant->record.status == BB_OK && !measured)
-            continue; /* its turn had not come when the run was interrupted */
+            continue; /* the run was interrupted before its turn */
         if (strcmp(bb_status_word(entrant->record.status), "failed") == 0 && !entrant->reference)
             bench->outcome->wrong++;
         for (uint32_t b = 0; b < bench->request->builder_count; b++)
@@ -158,12 +159,12 @@ static bb_status trace_rays(bb_bench *bench, const bb_spec *spec, const bb_view 
     if (status == BB_OK)
         status = bb_bench_traces(bench, rays);
     if (status == BB_OK)
-        status = bb_device_check(bench->device); /* or what follows fails row by row */
+        status = bb_device_check(bench->device); /* else all further rows would fail one by one */
     bb_rays_free(rays);
     return status;
 }
 
-/* Parameters of rays that make no sense shall be found out before the builds, not after them. */
+/* Tries all workloads, so that wrong parameters are found before the builds. */
 static bb_status try_workloads(bb_bench *bench)
 {
     const bb_bench_request *request = bench->request;
@@ -200,7 +201,7 @@ static bb_status trace_workloads(bb_bench *bench)
     return BB_OK;
 }
 
-/* One picture per view, of the surface normals that the oracle sees. */
+/* Makes one picture per view, of the surface normals that the oracle sees. */
 static bb_status make_pictures(bb_bench *bench)
 {
     const bb_bench_request *request = bench->request;
@@ -242,14 +243,14 @@ static void end_scene(bb_bench *bench)
     (void)bb_bench_end(bench, step, "free scenes", BB_OK);
 }
 
-/* Said before the work, which is then better put off. What is known is from the time of loading and
+/* Warns before the work if other programs keep the machine busy, as seen while loading and
  * compiling. */
 static void warn_of_bystanders(bb_bench *bench)
 {
     const bb_bystanders *watch = &bench->bystanders;
     const double share = bb_bystanders_share(watch);
     const long processors = sysconf(_SC_NPROCESSORS_ONLN);
-    const double shortest_ms = 200; /* that ticks of 10 ms tell anything of */
+    const double shortest_ms = 200; /* shortest span that ticks of 10 ms can measure */
     if (bench->warned)
         return;
     bench->warned = true;

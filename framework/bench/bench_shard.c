@@ -1,4 +1,4 @@
-/* Which cells are of this shard. */
+/* Which cells belong to this shard. */
 #include "framework/bench/bench_private.h"
 
 #include <stdio.h>

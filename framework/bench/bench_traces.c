@@ -1,4 +1,4 @@
-/* Traces: all cells of one ray set, interleaved, each answer judged. */
+/* Traces all cells of one ray set, interleaved, and judges each answer. */
 #include "framework/bench/bench_private.h"
 
 #include "framework/base/clock.h"
@@ -16,12 +16,12 @@ static const double brute_force_tests = 1e9;
 
 typedef struct cell {
     bb_entrant *entrant;
-    uint32_t kernel; /* index of the choice */
-    uint32_t layout; /* of what it reads */
+    uint32_t kernel; /* index of the kernel's choice */
+    uint32_t layout; /* index of the layout that it reads */
     const bb_intersector *intersector;
     bb_tracer *tracer;
-    uint32_t count; /* rays that it traces: the first of the set */
-    uint32_t batch; /* and of a launch, at most */
+    uint32_t count; /* rays that it traces, the first of the set */
+    uint32_t batch; /* most rays of a launch */
     bb_trace_record record;
     uint64_t hits_hash;
     bool judged;
@@ -31,9 +31,9 @@ typedef struct trace_set {
     bb_bench *bench;
     bb_rays *rays;
     bb_answers answers;
-    size_t bytes;    /* of one ray's answer */
-    char *results;   /* of the last trace, on the host */
-    char *first;     /* of the first full answer by an `exact` cell, which all others must equal */
+    size_t bytes;    /* size of one ray's answer */
+    char *results;   /* answers of the last trace, on the host */
+    char *first;     /* the first full answer of an `exact` cell, which all others must equal */
     char whose[256]; /* that cell; "": none yet */
     uint32_t loaded_from, loaded; /* the rays of the set that are on the device */
     bool warming;                 /* rounds do not count yet */
@@ -44,7 +44,7 @@ typedef struct trace_set {
 
 /* ---- one measurement ---- */
 
-/* Through the bench's buffers. */
+/* Returns a pass through the bench's buffers. */
 static bb_pass pass_of(const trace_set *set, const cell *c)
 {
     return (bb_pass){.query = set->rays->query,
@@ -54,7 +54,7 @@ static bb_pass pass_of(const trace_set *set, const cell *c)
                      .results = &set->bench->answers};
 }
 
-/* Rays [from, from + count) to where launches find them, unless they are there. */
+/* Uploads rays [from, from + count), unless they are on the device already. */
 static bb_status load_batch(trace_set *set, uint32_t from, uint32_t count)
 {
     if (from == set->loaded_from && count <= set->loaded)
@@ -64,7 +64,7 @@ static bb_status load_batch(trace_set *set, uint32_t from, uint32_t count)
     return bb_buffer_write(&set->bench->rays, 0, count * sizeof(bb_ray), set->rays->rays + from);
 }
 
-/* Adds to *timed how many rays were launched while the clock ran. */
+/* Traces a batch, and adds the rays that were launched while the clock ran to *timed. */
 static bb_status trace_batch(trace_set *set, const bb_pass *pass, uint32_t count, bb_timing *timing,
                              uint64_t *timed)
 {
@@ -77,8 +77,8 @@ static bb_status trace_batch(trace_set *set, const bb_pass *pass, uint32_t count
     return status != BB_OK ? status : stopped;
 }
 
-/* The reference reads the device's ray buffer and writes its hit buffer where the host can reach
- * them, else copies of them. */
+/* Traces with the reference, which uses the device's buffers if the host can reach them, else
+ * copies. */
 static bb_status trace_reference(trace_set *set, cell *c, uint32_t from, uint32_t count,
                                  bb_timing *timing)
 {
@@ -108,8 +108,8 @@ static bb_status trace_reference(trace_set *set, cell *c, uint32_t from, uint32_
     return status != BB_OK ? status : unmapped[0] != BB_OK ? unmapped[0] : unmapped[1];
 }
 
-/* Launches stay below a display's watchdog. While the device warms up they grow and shrink; then
- * they shrink only if they must, so that rounds that count are split alike. */
+/* Keeps launches short enough for a display's watchdog. They grow and shrink while the device warms
+ * up. After that they only shrink, so that counting rounds are split alike. */
 static void fit_batch(const trace_set *set, cell *c, uint32_t count, double ms)
 {
     if (c->entrant->reference || set->bench->device->is_cpu)
@@ -118,8 +118,8 @@ static void fit_batch(const trace_set *set, cell *c, uint32_t count, double ms)
         c->batch = bb_launch_rays(count, ms, set->bench->batch);
 }
 
-/* Traces the cell's rays once, in batches; set->results gets the answer. The reference's event time
- * is what its threads saw. */
+/* Traces the cell's rays once, in batches, into set->results. A reference's event time is that of
+ * its threads. */
 static bb_status trace_once(trace_set *set, cell *c, bb_timing *timing)
 {
     bool reference = c->entrant->reference;
@@ -170,7 +170,7 @@ static bb_tracer_request tracer_request(const trace_set *set, const cell *c)
     };
 }
 
-/* What a kernel that is for CPUs asks of another device, once for each. */
+/* Notes once, for a kernel made for CPUs, what it needs on another device. */
 static void note_private(bb_bench *bench, bb_kernel_choice *choice, const bb_tracer *tracer)
 {
     char by_driver[48] = "the driver does not tell how much in all";
@@ -188,7 +188,8 @@ static void note_private(bb_bench *bench, bb_kernel_choice *choice, const bb_tra
                      by_driver);
 }
 
-/* A stack that is shorter than the tree needs, since the device has no room: once for a kernel. */
+/* Notes once for each kernel that its stack is shorter than the tree needs, for lack of room on the
+ * device. */
 static void note_stack(bb_bench *bench, bb_kernel_choice *choice, const bb_decisions *decisions)
 {
     for (uint32_t i = 0; i < decisions->count && !choice->capped; i++) {
@@ -228,8 +229,8 @@ static bb_status prepare_cell(trace_set *set, cell *c)
     return bb_bench_end(bench, step, "compile kernels", BB_OK);
 }
 
-/* Judges set->results unless the same answer has been judged before. Of two different answers of
- * one cell the worse one counts. */
+/* Judges set->results, unless the same answer was judged before. If a cell gives different answers,
+ * the worst counts. */
 static bb_status judge_cell(trace_set *set, cell *c)
 {
     uint64_t hash = XXH3_64bits(set->results, c->count * set->bytes);
@@ -247,8 +248,8 @@ static bb_status judge_cell(trace_set *set, cell *c)
     return BB_OK;
 }
 
-/* `exact` answers do not depend on builder, layout and kernel (kernels/ERROR_BUDGET.md). A cell
- * whose answers differ from those of another is wrong, or that other one is. */
+/* Compares answers with those of the first `exact` cell. `exact` answers do not depend on builder,
+ * layout and kernel (kernels/ERROR_BUDGET.md), so if two cells differ, one of them is wrong. */
 static bb_status compare_cell(trace_set *set, cell *c)
 {
     bb_trace_record *r = &c->record;
@@ -269,7 +270,7 @@ static bb_status compare_cell(trace_set *set, cell *c)
     return BB_OK;
 }
 
-/* Against the oracle's answers and the other cells'. */
+/* Judges and compares the answers. */
 static bb_status hold_answers(trace_set *set, cell *c)
 {
     bb_step step = bb_bench_begin(set->bench);
@@ -279,7 +280,7 @@ static bb_status hold_answers(trace_set *set, cell *c)
     return bb_bench_end(set->bench, step, "judge answers", status);
 }
 
-/* `count` of the first `of` rays of the set, evenly spaced, to the device. */
+/* Uploads `count` of the first `of` rays of the set, evenly spaced. */
 static bb_status load_sample(trace_set *set, uint32_t of, uint32_t count)
 {
     bb_ray *sample = NULL;
@@ -315,7 +316,7 @@ static bb_status count_tests(trace_set *set, cell *c)
     request.counting = true;
     bb_tracer *tracer;
     BB_TRY(bb_tracer_get(bench->device, &request, &c->entrant->layouts[c->layout], &tracer));
-    /* brute force tests all primitives with each ray: a few rays tell */
+    /* brute force tests all primitives with each ray: a few rays are enough */
     uint32_t most = c->entrant->record.tree.node_count == 1 ? 64 : BB_COUNTED_RAYS;
     uint32_t count = c->count < most ? c->count : most;
     bb_count *counts = NULL;
@@ -338,7 +339,7 @@ static bb_status count_tests(trace_set *set, cell *c)
 
 /* ---- the set ---- */
 
-/* What fails because the run is ending did not fail. */
+/* Records a failure, unless it failed because the run was interrupted. */
 static void note_failure(cell *c, bb_status status)
 {
     if (bb_interrupted())
@@ -347,7 +348,7 @@ static void note_failure(cell *c, bb_status status)
     snprintf(c->record.reason, sizeof c->record.reason, "%s", bb_message());
 }
 
-/* Its parts as the record has them; a reference traces by itself. */
+/* Returns the cell's parts as in its record. A reference has no kernel and no intersector. */
 static bb_cell_parts cell_of(const trace_set *set, const cell *c)
 {
     const bb_trace_record *r = &c->record;
@@ -470,7 +471,7 @@ static void run_round(trace_set *set)
     }
 }
 
-/* Rounds of a device that is no CPU until its clocks have settled; in no sample. */
+/* Runs rounds on a device that is no CPU, outside the samples, until its clocks have settled. */
 static void warm_up(trace_set *set)
 {
     bb_warming warming = {.rounds = 0};
@@ -498,7 +499,7 @@ static bb_status record_cell(trace_set *set, cell *c)
     bb_bench *bench = set->bench;
     bb_trace_record *r = &c->record;
     if (r->status == BB_OK && r->ms.count == 0)
-        return BB_OK; /* its turn had not come when the run was interrupted */
+        return BB_OK; /* the run was interrupted before its turn */
     if (r->status == BB_OK && !bb_interrupted()) {
         bb_status status = count_tests(set, c);
         if (status != BB_OK)

@@ -14,7 +14,7 @@
 
 enum { BUILDS = 3 };
 
-/* Those that a scene does not have are left out. */
+/* Workloads that a scene does not support are left out. */
 static const char *const workloads[] = {"primary",
                                         "ao",
                                         "random:near=0.5",
@@ -23,9 +23,9 @@ static const char *const workloads[] = {"primary",
                                         "lines:query=interval"};
 _Static_assert(sizeof workloads / sizeof workloads[0] == BB_CONFORMANCE_SETS, "sets");
 
-/* Tests of boxes and primitives that a set may take by one kernel, of which there are many; without
- * a tree, once. A kernel that restarts from the root meets all levels of a chain again and again,
- * which the kernel that counts tests does not. */
+/* Most tests of boxes and primitives for a set: by each of the many kernels, and once without a
+ * tree. A kernel that restarts from the root visits all levels of a chain again and again, and the
+ * kernel that counts tests does not. */
 static const double most_tests = 1.5e6, most_brute_tests = 1.5e7, most_levels = 1e8;
 
 bb_status bb_conformance_choose_counts(bb_conformance *c, bb_tree *tree)
@@ -47,7 +47,7 @@ bb_status bb_conformance_choose_counts(bb_conformance *c, bb_tree *tree)
 
 /* ---- the answers ---- */
 
-/* `overflows`: whether the kernel's stack may be too small for the tree. */
+/* Traces a set. `overflows`: the kernel's stack may be too small for the tree. */
 static bb_status trace(bb_conformance *c, const bb_ray_set *set, const bb_kernel *kernel,
                        const bb_layout_data *layout, uint32_t count, bool *overflows)
 {
@@ -70,7 +70,8 @@ static bb_status trace(bb_conformance *c, const bb_ray_set *set, const bb_kernel
     return bb_pass_run(&pass, count, c->results, NULL);
 }
 
-/* A kernel whose stack overflowed left the answer unwritten: it refuses the tree, loudly. */
+/* Judges the answers. A kernel whose stack overflowed left its answer unwritten, which counts as
+ * refusing the tree. */
 static bb_status judge(bb_conformance *c, bb_ray_set *set, const char *kernel, uint32_t count,
                        bool overflows)
 {
@@ -128,7 +129,7 @@ static bb_status check_set(bb_conformance *c, bb_ray_set *set, const char *build
     return compare(c, set, builder, kernel->name, count);
 }
 
-/* BB_UNSUPPORTED if the kernel does not take the tree, or answers none of the queries. */
+/* Checks a kernel. BB_UNSUPPORTED if it does not take the tree or answers none of the queries. */
 static bb_status check_kernel(bb_conformance *c, bb_tree *tree, const char *builder,
                               const bb_kernel *kernel)
 {
@@ -154,7 +155,7 @@ static bb_status check_kernel(bb_conformance *c, bb_tree *tree, const char *buil
 
 /* ---- brute force ---- */
 
-/* A tree of one leaf over everything. */
+/* Makes a tree of one leaf with all primitives. */
 static bb_status make_one_leaf(const bb_scene *scene, bb_tree *tree)
 {
     bb_tree_init(tree, NULL);
@@ -171,7 +172,7 @@ static bb_status make_one_leaf(const bb_scene *scene, bb_tree *tree)
     return BB_OK;
 }
 
-/* All primitives, one after the other: what no box can hide. */
+/* Tests all primitives with each ray, so that no box can hide one. */
 bb_status bb_conformance_brute_force(bb_conformance *c)
 {
     bb_tree tree;
@@ -201,7 +202,7 @@ static bb_status add_set(bb_conformance *c, const char *workload)
         .seed = c->seed,
     };
     bb_status status = bb_rays_make(c->scene, c->oracle, &request, &set->rays);
-    if (status == BB_UNSUPPORTED) { /* a scene that the views don't see: the other sets remain */
+    if (status == BB_UNSUPPORTED) { /* the views do not see the scene: other sets remain */
         size_t used = strlen(c->left_out);
         snprintf(c->left_out + used, sizeof c->left_out - used, "%s%s (%s)", used > 0 ? ", " : "",
                  workload, bb_message());
@@ -215,8 +216,8 @@ static bb_status add_set(bb_conformance *c, const char *workload)
     return bb_answers_make(c->oracle, set->rays, &set->answers);
 }
 
-/* The first and the last stay, if others can change places: who knows a scene by a glance shall not
- * see that it is another. */
+/* Returns the index in reverse order. The first and the last stay if others can change places, so
+ * that a builder that compares only a few primitives takes the scene for the same. */
 static uint32_t opposite(uint32_t i, uint32_t count)
 {
     bool stays = count > 3 && (i == 0 || i == count - 1);
@@ -245,7 +246,7 @@ static bb_status reverse_prims(const bb_scene *scene, bb_scene *reversed)
     return BB_OK;
 }
 
-/* Boxes of bricks follow from voxels, so these are what is turned about. */
+/* Reverses a volume's voxels, since the boxes of bricks follow from them. */
 static bb_status reverse_volume(const bb_scene *scene, bb_scene *reversed)
 {
     bb_volume *turned;
@@ -337,7 +338,7 @@ const char *bb_conformance_left_out(const bb_conformance *c)
 
 /* ---- a builder ---- */
 
-/* `ms` gets the build's time; may be NULL. */
+/* Builds and checks a tree. `ms` gets the build's time; may be NULL. */
 static bb_status check_tree(bb_instance *instance, const bb_scene *scene, uint64_t *hash,
                             double *ms)
 {
@@ -350,8 +351,8 @@ static bb_status check_tree(bb_instance *instance, const bb_scene *scene, uint64
     return bb_tree_hash(&instance->tree, hash);
 }
 
-/* A builder that keeps what it made before would give the tree of the other order again. The last
- * build is of the scene itself, whose tree stays. */
+/* Checks builds of the scene, of its reverse and of the scene again, whose tree stays. A builder
+ * that keeps what it made before would give the wrong tree. */
 static bb_status check_trees(bb_conformance *c, bb_instance *instance, uint64_t hashes[BUILDS],
                              double *ms)
 {
@@ -417,7 +418,7 @@ bb_status bb_conformance_check(bb_conformance *c, const char *builder, bb_confor
     found->hash = hashes[0];
     found->deterministic = bb_instance_is_deterministic(&instance);
     bool repeats = hashes[0] == hashes[1] && hashes[1] == hashes[2];
-    bb_tree_info info = instance.tree.info; /* of frame 0, as the hash */
+    bb_tree_info info = instance.tree.info; /* that of frame 0, as is the hash */
     if (status == BB_OK)
         status = bb_conformance_check_frames(c, &instance, frames, sizeof frames);
     if (status == BB_OK)

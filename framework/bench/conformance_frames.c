@@ -1,15 +1,15 @@
-/* Conformance on scenes that move. The tree of frame 0 is brought to others and back, and held
- * there to what is right there: each frame has an oracle, rays and answers of its own. */
+/* Checks builders on moving scenes. The tree of frame 0 is brought to other frames and back, and
+ * checked there: each frame has an oracle, rays and answers of its own. */
 #include "framework/bench/conformance_private.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Of the kernels in a frame: the shape of the tree is frame 0's or an ordinary build's, which all
- * of them are held to. */
+/* Kernels that are checked in a frame. The tree has the shape of frame 0 or of an ordinary build,
+ * which all kernels are checked on. */
 enum { KERNELS = 2 };
 
-/* Spread evenly, the last among them; fewer where there are not as many. */
+/* Chooses frames that are spread evenly and include the last; fewer if the scene has fewer. */
 static uint32_t choose_frames(const bb_scene *scene, uint32_t frames[BB_FRAMES_MAX])
 {
     uint32_t count = 0, last = scene->frame_count - 1;
@@ -21,7 +21,7 @@ static uint32_t choose_frames(const bb_scene *scene, uint32_t frames[BB_FRAMES_M
     return count;
 }
 
-/* Of the frame that the scene is at. Its answers begin with those that no tree is needed for. */
+/* Makes rays and answers for the scene's current frame, first the answers without a tree. */
 static bb_status make_judge(bb_conformance *c, bb_conformance **out)
 {
     bb_conformance *judge = calloc(1, sizeof *judge);
@@ -42,7 +42,7 @@ static bb_status make_judge(bb_conformance *c, bb_conformance **out)
     return BB_OK;
 }
 
-/* `judge` is that of the frame that the scene is at. */
+/* Updates and checks the tree. `judge` belongs to the scene's current frame. */
 static bb_status check_update(bb_conformance *judge, bb_instance *instance, uint32_t changed,
                               bb_update_way *way)
 {
@@ -54,7 +54,7 @@ static bb_status check_update(bb_conformance *judge, bb_instance *instance, uint
     return bb_conformance_check_kernels(judge, tree, instance->pipeline.text, KERNELS, NULL, 0);
 }
 
-/* Says of a failure where it was. */
+/* Adds the frame to the message of a failure. */
 static bb_status at_frame(bb_status status, uint32_t frame, bb_update_way way)
 {
     char reason[512];

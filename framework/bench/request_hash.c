@@ -1,4 +1,4 @@
-/* What is asked for, as a number: shards of one run have the same. */
+/* A hash of the request, which the shards of one run share. */
 #include "framework/bench/bench.h"
 
 #include <string.h>

@@ -1,6 +1,6 @@
-/* What is on the device: trees and layouts of entrants, made when they are asked for, and in each
- * other's place where they do not fit together. Whoever traces asks for a
- * layout and gets it; that there are builds behind it is known here alone. */
+/* Trees and layouts of entrants on the device. They are made on demand, and evicted if they do not
+ * fit beside each other. A trace asks for a layout; only this file knows that it may need a build.
+ */
 #include "framework/bench/bench_private.h"
 
 #include <math.h>
@@ -28,7 +28,7 @@ void bb_resident_note(bb_bench *bench)
         bench->outcome->bytes_held = bytes;
 }
 
-/* Frees what all entrants but `keep` have in memory; false if that was nothing. */
+/* Frees what all entrants but `keep` have in memory. Returns false if they had nothing. */
 static bool evict_others(bb_bench *bench, const bb_entrant *keep)
 {
     bool freed = false;
@@ -53,9 +53,9 @@ static bb_status create_and_build(bb_bench *bench, bb_entrant *entrant, double *
     return BB_OK;
 }
 
-/* A first build, on fresh memory. Drivers may compile a kernel when it is first enqueued; so that
- * this is no part of the cold time, the very first build on a device is thrown away, memory and
- * all. */
+/* Makes the first build, on fresh memory. Drivers may compile a kernel when it is first enqueued.
+ * The very first build on a device is therefore thrown away with its memory, so that compiling is
+ * no part of the cold time. */
 static bb_status first_build(bb_bench *bench, bb_entrant *entrant, double *cold_ms)
 {
     bb_step step = bb_bench_begin(bench);
@@ -102,8 +102,8 @@ static bb_status make_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layo
                                 data);
 }
 
-/* Makes room for one layout: other builders' trees, the entrant's other layouts, and the scratch
- * that made those. All of it is made again when its turn comes. */
+/* Makes room for one layout by evicting other builders' trees, then the entrant's other layouts
+ * with their scratch. They are made again when needed. */
 static bb_status make_room(bb_bench *bench, bb_entrant *entrant, uint32_t layout)
 {
     evict_others(bench, entrant);

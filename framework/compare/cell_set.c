@@ -88,7 +88,7 @@ static bb_status add_fields(bb_measured *cell, const bb_entry *entry, const bb_f
     return BB_OK;
 }
 
-/* Of the tree as built, and of the layouts as traced. */
+/* Adds the metrics of the tree as built and of the layouts as traced. */
 static bb_status add_metrics(bb_measured *cell, const bb_entry *build)
 {
     for (uint32_t i = 0; i < bb_metric_count(); i++) {
@@ -122,7 +122,7 @@ static bb_status add_entry(bb_cell_set *set, const bb_results *results, const bb
     const bb_entry *scene =
         bb_results_scene(results, bb_get_text(entry, trace ? BB_F_TRACE_SCENE : BB_F_BUILD_SCENE));
     bb_measured *cell;
-    if (key[0] == '\0') /* another program's tree */
+    if (key[0] == '\0') /* the tree is another program's */
         return BB_OK;
     BB_TRY(bb_cell_set_add(set, key, &cell));
     copy(cell->time, sizeof cell->time, trace ? "trace ms" : "build ms");
@@ -188,7 +188,7 @@ bb_status bb_cell_set_of_results(const bb_results *results, const char *what, bb
 
 /* ---- from a table ---- */
 
-/* A cell of the row; `time` is the column of its times, or NULL. */
+/* Adds a cell for the row. `time` is the column of its times; NULL: its exact numbers. */
 static bb_status add_row(bb_cell_set *set, const bb_table *table, uint32_t row,
                          const bb_column *time, bb_measured **cell)
 {
@@ -211,7 +211,7 @@ static bb_status add_row(bb_cell_set *set, const bb_table *table, uint32_t row,
     return BB_OK;
 }
 
-/* Of times less is better. */
+/* Adds a cell for each column of rounds in which less is better. */
 static bb_status add_rounds(bb_cell_set *set, const bb_table *table, uint32_t row)
 {
     for (uint32_t i = 0; i < bb_table_column_count(table); i++) {
@@ -266,7 +266,7 @@ static int by_key(const void *a, const void *b)
     return strcmp(((const bb_measured *)a)->key, ((const bb_measured *)b)->key);
 }
 
-/* Of one key the one that was added first comes first. */
+/* Sorts cells of one key in the order in which they were added. */
 static int by_key_and_place(const void *a, const void *b)
 {
     const bb_measured *x = a, *y = b;

@@ -44,25 +44,26 @@ static bb_change start_move(const bb_measured *before, const bb_measured *after,
 /* ---- exact figures ---- */
 
 typedef struct range {
-    double low, high; /* NAN: no set has it */
+    double low, high; /* NAN: no set has the figure */
 } range;
 
-/* Of all runs of a side that count: a figure that no clock decides has one value, unless a builder
- * is not deterministic. */
+/* Returns the range of an exact figure over the counting runs of a side. It has more than one value
+ * only if a builder is not deterministic. */
 static range range_of(const bb_side *side, const char *key, const char *name)
 {
     range r = {NAN, NAN};
     for (uint32_t i = bb_side_first(side); i < side->count; i++) {
         const bb_measured *cell = bb_cell_set_find(&side->sets[i], key);
         double value = cell != NULL ? bb_measured_figure(cell, name) : (double)NAN;
-        r.low = fmin(r.low, value); /* a NAN gives way */
+        r.low = fmin(r.low, value); /* fmin() ignores a NAN */
         r.high = fmax(r.high, value);
     }
     return r;
 }
 
-/* A figure that only one side has. Of layouts that is another choice of kernels; else one that is
- * gone is named, and answers that nobody judges any more are worse. `was`: NAN if it is new. */
+/* Handles a figure that only one side has. Figures of layouts differ by the choice of kernels and
+ * are only counted. Others are named if they are gone; if answers are not judged any more, that is
+ * worse. `was`: NAN if the figure is new. */
 static bb_status compare_one_sided(bb_comparison_result *result, const bb_measured *before,
                                    const bb_measured *after, const char *name, double was)
 {
@@ -82,7 +83,7 @@ static bb_status compare_figure(bb_comparison_result *result, const bb_measured 
     range b = range_of(&result->after, before->key, name);
     if (isnan(a.low) || isnan(b.low))
         return compare_one_sided(result, before, after, name, a.high);
-    if (bb_figure_is_wrong(name)) { /* of these the most counts, in whatever run it was */
+    if (bb_figure_is_wrong(name)) { /* of wrong answers the worst run counts */
         a.low = a.high;
         b.low = b.high;
     }
@@ -90,7 +91,7 @@ static bb_status compare_figure(bb_comparison_result *result, const bb_measured 
         return BB_OK;
     bool more = b.low > a.high;
     bb_change move = start_move(before, after, name);
-    move.from = more ? a.high : a.low; /* the least that it moved */
+    move.from = more ? a.high : a.low; /* the smallest change that both ranges allow */
     move.to = more ? b.low : b.high;
     move.effect.ratio = move.from != 0 ? move.to / move.from : (double)NAN;
     const bb_better better = bb_measured_better(after, name);
@@ -113,7 +114,7 @@ static bb_status compare_figures(bb_comparison_result *result, const bb_measured
     return BB_OK;
 }
 
-/* False if the cell failed or was refused on one side, or on both. */
+/* Returns false if the cell failed or was refused on one side or on both. */
 static bb_status compare_status(bb_comparison_result *result, const bb_measured *before,
                                 const bb_measured *after, bool *both_ok)
 {
@@ -133,10 +134,10 @@ typedef struct timing {
     const bb_measured *before, *after;
     double from, to;
     bb_effect effect;
-    double own; /* its effect against itself; NAN: not known, or not asked for */
+    double own; /* the cell's effect against itself; NAN: not known or not needed */
 } timing;
 
-/* Without the discarded round. */
+/* Takes the logarithms of all times but the discarded one. */
 static void take_logarithms(const bb_samples *ms, bb_samples *out)
 {
     for (uint32_t i = ms->count > 1 ? 1 : 0; i < ms->count; i++)
@@ -161,7 +162,7 @@ static void time_pairs(const bb_comparison_result *result, timing *t, bb_family_
         const bb_measured *b = bb_cell_set_find(&result->after.sets[i], t->before->key);
         double ratio = bb_ratio_of_leasts(a, b);
         if (i > 0)
-            bb_samples_add(&row->before, log(ratio)); /* NAN holds the place of a missing one */
+            bb_samples_add(&row->before, log(ratio)); /* NAN stands for a missing value */
         if (!isfinite(ratio) && i > 0)
             continue;
         bb_samples_add(&ratios, isfinite(ratio) ? ratio : 1);
@@ -175,7 +176,7 @@ static void time_pairs(const bb_comparison_result *result, timing *t, bb_family_
     t->to = bb_samples_median(&to);
 }
 
-/* By the rule of README.md. */
+/* Decides by the rule of README.md whether the time moved. */
 static bb_status judge_time(bb_comparison_result *result, const timing *t, const bb_family_row *row)
 {
     const bb_effect *e = &t->effect;
@@ -185,7 +186,7 @@ static bb_status judge_time(bb_comparison_result *result, const timing *t, const
         return BB_OK;
     }
     double p = slower ? row->p_up : row->p_down;
-    double floor = fmax(result->floor.share, t->own); /* a NAN gives way */
+    double floor = fmax(result->floor.share, t->own); /* fmax() ignores a NAN */
     if (!bb_effect_excludes_one(e) || !(expm1(fabs(log(e->ratio))) > floor) || p > BB_COMPARE_LEVEL)
         return BB_OK;
     bb_change move = start_move(t->before, t->after, t->before->time);
@@ -269,7 +270,7 @@ static void count_only(bb_comparison_result *result)
         result->only_after += bb_side_find(a, key) == NULL;
 }
 
-/* Whether all runs that count had the same scene and rays. */
+/* Returns whether all counting runs had the same scene and rays. */
 static bool same_inputs(const bb_comparison_result *result, const bb_measured *like)
 {
     const bb_side *sides[] = {&result->before, &result->after};
@@ -323,7 +324,7 @@ static double size_of(const bb_change *move)
                                                                   : INFINITY;
 }
 
-/* What is worse and counts first, then what is worse of references, better, changed. */
+/* Sorts: worse and counting, worse references, better, changed. */
 static int worst_first(const void *left, const void *right)
 {
     const bb_change *a = left, *b = right;

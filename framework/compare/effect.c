@@ -1,15 +1,15 @@
-/* The interval of a ratio of medians, from the intervals of both.
+/* Computes the interval of a ratio of medians from the intervals of both medians.
  *
  * On logarithms the ratio is a difference. Each logarithm's median m has an interval [l, u] by
- * order statistics (framework/base/statistics.h). Such intervals are as wide to either side as the
- * estimate is uncertain there, and what is uncertain of two independent estimates adds up in
- * squares (Zou and Donner: Construction of confidence limits about effect measures, Statistics in
- * Medicine 27, 2008):
+ * order statistics (framework/base/statistics.h). The width of such an interval to each side is the
+ * uncertainty there, and the uncertainties of two independent estimates add up in squares (Zou and
+ * Donner: Construction of confidence limits about effect measures, Statistics in Medicine 27,
+ * 2008):
  *
  *     low  = m2 - m1 - sqrt((m2 - l2)^2 + (u1 - m1)^2)
  *     high = m2 - m1 + sqrt((u2 - m2)^2 + (m1 - l1)^2)
  *
- * Nothing is assumed of the distributions: not a common shape, as by ranks, nor symmetry.
+ * The method assumes no common shape of the distributions, as ranks would, and no symmetry.
  * tests/test_compare_statistics.c measures the coverage. */
 #include "framework/compare/effect.h"
 
@@ -21,7 +21,7 @@ static bb_estimate of_logarithms(const bb_samples *ms)
 {
     bb_samples logarithms = {0};
     for (uint32_t i = 0; i < ms->count; i++)
-        bb_samples_add(&logarithms, log(ms->values[i])); /* 0 and below: not finite */
+        bb_samples_add(&logarithms, log(ms->values[i])); /* not finite for 0 and below */
     return bb_samples_estimate(&logarithms);
 }
 

@@ -1,5 +1,5 @@
-/* The maximum over cells, by permutation, step by step: Westfall and Young, Resampling-Based
- * Multiple Testing, 1993, section 2.6.
+/* Step-down maximum over cells, by permutation: Westfall and Young, Resampling-Based Multiple
+ * Testing, 1993, section 2.6.
  *
  *     for each exchange of labels (the one that was measured first), from the cell with the
  *     smallest statistic, as measured, to the one with the largest:
@@ -7,13 +7,13 @@
  *         count[cell] += largest >= the cell's statistic as measured
  *     p(cell) = the most of count / exchanges of this cell and all with a larger statistic
  *
- * A cell stands against those that moved no more than itself: those that moved most, which are
- * large under many an exchange, are no obstacle to the others.
+ * A cell is compared only with those that moved no more than itself. The cells that moved most are
+ * large under many exchanges, and do not hide the others.
  *
- * An exchange is the same for all cells with as many rounds: of pairs, the signs of some rounds'
- * log ratios; of two runs, which rounds are called whose. If the labels say nothing, the measured
- * one is as likely as any other to have the largest maximum, so P(any p <= level) <= level, however
- * these cells depend on each other and however the noise is distributed.
+ * All cells with equally many rounds share an exchange. For pairs, it flips the signs of some
+ * rounds' log ratios; for two runs, it deals the rounds out between the runs. If the labels mean
+ * nothing, the measured labels are as likely as any others to have the largest maximum. So P(any p
+ * <= level) <= level, however the cells depend on each other and however the noise is distributed.
  *
  * The statistic: mean / sqrt(spread^2 + s0^2), where s0 is the median spread of all cells, so that
  * no cell has a large statistic by chance of a small spread (Tusher, Tibshirani, Chu, PNAS 98,
@@ -29,7 +29,7 @@
 
 enum {
     EXCHANGES = 2048,
-    ALL_SIGNS = 11, /* up to so many pairs, all exchanges are taken */
+    ALL_SIGNS = 11, /* up to this many pairs, all exchanges are tried */
     VALUES = 2 * BB_SAMPLES_MAX,
 };
 
@@ -44,7 +44,7 @@ uint32_t bb_family_pairs_needed(double level)
 /* ---- a cell's values ---- */
 
 typedef struct row {
-    uint32_t first, count; /* values: of the first label, of all */
+    uint32_t first, count; /* number of values: of the first label, of both */
     float values[VALUES];
     double spread, scale;
 } row;
@@ -63,7 +63,7 @@ static double median(double *values, uint32_t count)
     return count % 2 ? values[count / 2] : 0.5 * (values[count / 2 - 1] + values[count / 2]);
 }
 
-/* Draws `values`, as distances from `centre`, in; a value that is missing is at the centre. */
+/* Stores `values` as distances from `centre` and draws outliers in. A missing value becomes 0. */
 static void draw_in(row *r, const double *values, double centre)
 {
     double sorted[VALUES], sum = 0;
@@ -72,7 +72,7 @@ static void draw_in(row *r, const double *values, double centre)
         if (isfinite(values[i]))
             sorted[known++] = fabs(values[i] - centre);
     double most = 3 * median(sorted, known);
-    if (!(most > 0)) /* most values are the same: what differs is all there is to see */
+    if (!(most > 0)) /* most values are the same: nothing is drawn in */
         most = INFINITY;
     for (uint32_t i = 0; i < r->count; i++) {
         double v = isfinite(values[i]) ? values[i] - centre : 0;
@@ -102,7 +102,7 @@ static void prepare_runs(row *r, const bb_family_row *from)
     draw_in(r, values, median(sorted, known));
 }
 
-/* Sets each row's scale: what its mean is divided by; 0 where all values are the same. */
+/* Sets each row's scale, by which its mean is divided; 0 if all its values are the same. */
 static bb_status scale(row *rows, uint32_t count)
 {
     double *spreads = calloc(count + 1, sizeof *spreads);
@@ -121,8 +121,8 @@ static bb_status scale(row *rows, uint32_t count)
 
 /* ---- exchanges ---- */
 
-/* sign[i]: +1 or -1. Number 0 is what was measured. Of pairs: the ratio's own sign or the other; of
- * runs: the label. */
+/* Sets sign[i] to +1 or -1. Exchange 0 has the measured labels. For pairs, -1 flips the ratio; for
+ * runs, the sign is the label. */
 static void signs_of_pairs(uint32_t exchange, uint32_t count, float *sign)
 {
     bb_random random = bb_random_make(exchange, count);
@@ -171,8 +171,9 @@ static double statistic(const row *r, const float *sign, bool pairs)
 /* A cell's place among all, by its statistic as measured. */
 typedef struct place {
     uint32_t row;
-    uint32_t above, below; /* exchanges in which one up to here is as large, from here as small */
-    double t, exchanged;   /* as measured; under the exchange */
+    uint32_t above,
+        below; /* exchanges in which the maximum so far is as large, or the minimum as small */
+    double t, exchanged; /* the statistic as measured; under the exchange */
 } place;
 
 static int by_statistic(const void *a, const void *b)
@@ -181,7 +182,7 @@ static int by_statistic(const void *a, const void *b)
     return p->t != q->t ? (p->t > q->t) - (p->t < q->t) : (p->row > q->row) - (p->row < q->row);
 }
 
-/* Sets the statistics of all under an exchange; rows of one shape share its signs. */
+/* Sets the statistics of all rows under an exchange. Rows of one shape share its signs. */
 static void exchange_all(const row *rows, place *places, uint32_t count, uint32_t exchange,
                          bool pairs)
 {
@@ -203,7 +204,7 @@ static void exchange_all(const row *rows, place *places, uint32_t count, uint32_
 
 static void count_exchange(place *places, uint32_t count)
 {
-    const double slack = 1e-9; /* sums of the same values in another order */
+    const double slack = 1e-9; /* for sums of the same values in another order */
     double largest = -INFINITY, smallest = INFINITY;
     for (uint32_t i = 0; i < count; i++) {
         largest = fmax(largest, places[i].exchanged);
@@ -220,7 +221,7 @@ static bool has_values(const row *r, bool pairs)
     return pairs ? r->count > 0 : r->first > 0 && r->first < r->count;
 }
 
-/* The most of this cell's count and of all that moved more. */
+/* Sets p-values from the largest count of this cell and of all that moved more. */
 static void set_p(bb_family_row *family, const row *rows, const place *places, uint32_t count,
                   uint32_t exchanges, bool pairs)
 {

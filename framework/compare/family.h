@@ -1,4 +1,4 @@
-/* p-values that hold for all cells together. */
+/* p-values that are adjusted for all cells together. */
 #ifndef BB_FAMILY_H
 #define BB_FAMILY_H
 
@@ -7,15 +7,15 @@
 
 #include <stdbool.h>
 
-/* A cell: of pairs the logarithms of their ratios, in `before`; else the logarithms of the times of
- * both runs. Only what counts: no discarded rounds. A value that is no finite number says nothing;
- * at the same index all rows have what was measured next to each other. */
+/* A cell. For pairs, `before` has the logarithms of the ratios; for two separate runs, `before` and
+ * `after` have the logarithms of the times. Discarded rounds are left out. Values that are not
+ * finite are ignored. All rows must have values of the same round at the same index. */
 typedef struct bb_family_row {
     bb_samples before, after;
-    double p_up, p_down; /* set: adjusted, for `after` (or the ratio) being larger, or smaller */
+    double p_up, p_down; /* results: that `after` (or the ratio) is larger, or smaller */
 } bb_family_row;
 
-/* The least number of pairs with which a p-value can be below `level`. */
+/* Returns the least number of pairs with which a p-value can be below `level`. */
 uint32_t bb_family_pairs_needed(double level);
 
 /* Sets the p-values of all rows. BB_FAILED without memory. */

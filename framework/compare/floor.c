@@ -1,9 +1,9 @@
-/* What a program shows against itself on a machine. Pairs have labels that may be exchanged, so
- * that their p-values are exact (family.c), and the floor is but a measure of what matters: that of
- * the typical cell, and the cell's own. Between two runs by themselves much may differ that all
- * rounds of a run share: there the floor is high, what 90 % of the cells do not exceed, and a cell
- * that is known to vary more has its own. No cell sets the floor of all others. An effect whose
- * interval has 1 in it raises no alarm and counts as none. */
+/* The effect of a program against itself on a machine. The labels of pairs may be exchanged, so
+ * their p-values are exact (family.c); their floor is only a least size: the effect of the typical
+ * cell and the cell's own. Two separate runs may differ in much that all rounds of a run share.
+ * Their floor is therefore high, the effect that 90 % of the cells do not exceed, and a cell that
+ * varies more has its own floor. No single cell sets the floor of all others. An effect whose
+ * interval includes 1 counts as none. */
 #include "framework/compare/compare.h"
 
 #include <math.h>
@@ -38,19 +38,19 @@ double bb_ratio_of_medians(const bb_measured *before, const bb_measured *after)
 
 double bb_ratio_of_leasts(const bb_measured *before, const bb_measured *after)
 {
-    /* of more rounds the least is less */
+    /* with more rounds the least time is less */
     return before != NULL && after != NULL && before->ms.count == after->ms.count
                ? ratio_of(before, after, bb_samples_least)
                : (double)NAN;
 }
 
-/* Pairs 1 and 2, 3 and 4 ...: of each side the ratio from one to the other. They are as many as the
- * pairs, and have the noise of two of them, as the ratios of old and new have. */
+/* Takes the ratio from pair 1 to 2, from 3 to 4 and so on, on each side. There are as many ratios
+ * as pairs, and each has the noise of two runs, as the ratios of old and new have. */
 double bb_floor_of_cell(const bb_side *before, const bb_side *after, const char *key)
 {
     const bb_side *sides[] = {before, after};
     bb_samples ratios = {0};
-    bb_samples_add(&ratios, 1); /* in the place of the one that does not count */
+    bb_samples_add(&ratios, 1); /* takes the place of the discarded one */
     for (uint32_t s = 0; s < 2; s++)
         for (uint32_t i = 1; i + 1 < sides[s]->count; i += 2) {
             double ratio = bb_ratio_of_leasts(bb_cell_set_find(&sides[s]->sets[i], key),
@@ -108,7 +108,7 @@ static bb_cell_floor *find_own(const bb_floor *floor, uint32_t count, const char
     return count == 0 ? NULL : bsearch(&wanted, floor->own, count, sizeof wanted, by_key);
 }
 
-/* Of the first `sorted` cells one may be this; else it is added. */
+/* Notes the effect with the cell, if it is among the first `sorted` cells; else adds the cell. */
 static bb_status note(bb_floor *floor, uint32_t sorted, const char *key, double share)
 {
     bb_cell_floor *own = find_own(floor, sorted, key);

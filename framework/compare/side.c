@@ -1,4 +1,4 @@
-/* One side of a comparison, as one: of pairs, what all of its runs that count say together. */
+/* One side of a comparison: for pairs, all of its counting runs together. */
 #include "framework/compare/compare.h"
 
 #include <stdio.h>

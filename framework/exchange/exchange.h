@@ -16,28 +16,28 @@
  *                        rays[i]
  *
  * Primitives are numbered consecutively: the triangles first, then the spheres, then the boxes, of
- * which rays hit the surface. t is in units of |d|, which need not be 1. Hits count in the open
- * interval tmin < t < tmax; tmax may be +inf. Triangles have two sides; a ray that starts in a
- * sphere or a box hits its far side. There are no defaults: a tracer that cannot do what a header
- * asks for (another version, another interval, boxes) must say so and stop.
+ * which rays hit the surface. t is in units of |d|, which need not be 1. A hit counts if tmin < t <
+ * tmax; tmax may be +inf. Triangles are hit from both sides. A ray that starts inside a sphere or a
+ * box hits its far side. There are no defaults: a tracer that cannot do what a header asks for
+ * (another version, another interval, boxes) must say so and stop.
  *
  *   closest hit   the nearest hit, and which primitive that is
  *   any hit       some hit; BB_UNNAMED for the primitive says "one of them"; t is ignored
  *   no hit        t = +inf, prim = BB_NONE
  *
- * There may be fewer hits than rays: then they belong to the first rays. A file is refused, naming
- * the first ray concerned, if it has more hits than rays, a t that counts and is not a number, a
- * primitive that the scene does not have, or a miss whose t is not +inf. A t outside the interval
- * is an answer, and is judged.
+ * A file may have fewer hits than rays: they belong to the first rays. `bvhbench judge` refuses a
+ * file that has more hits than rays, a closest hit whose t is not a number, a primitive that the
+ * scene does not have, or a miss whose t is not +inf; the message names the first such ray. A t
+ * outside the interval is an answer like any other and is judged.
  *
  * The header names the workload and everything else that determines the rays: `bvhbench judge`
- * generates them again and refuses a file that contains others. Rays made by hand need a name that
- * is not a workload's, and 0 for seed, primary_width, primary_height, max_rays and must_hit;
- * `bvhbench judge --verify no` accepts them, and its record says so.
+ * generates the rays again and refuses a file with other rays. Rays made by hand need a name that
+ * no workload has, and 0 for seed, primary_width, primary_height, max_rays and must_hit. `bvhbench
+ * judge --verify no` accepts such rays, and its record says so.
  *
- * Hashes are XXH3 of 64 bits, seed 0 (https://xxhash.com). A checksum is that of the whole file
- * with its own eight bytes taken as 0. A tracer may simply copy the hashes, and leave the
- * checksum of its hits 0, "none"; a damaged file is then judged as it is.
+ * Hashes are XXH3 of 64 bits, seed 0 (https://xxhash.com). The checksum is the hash of the whole
+ * file with the checksum's own eight bytes taken as 0. A tracer may copy the hashes from the rays
+ * file, and may write the checksum 0, which means "none": damage is not found then.
  */
 #ifndef BB_EXCHANGE_H
 #define BB_EXCHANGE_H
@@ -46,7 +46,7 @@
 
 #include <stdint.h>
 
-#define BB_RAYS_MAGIC "BVHBRAYS" /* the first eight bytes, without a 0 */
+#define BB_RAYS_MAGIC "BVHBRAYS" /* the first eight bytes, without a terminating 0 */
 #define BB_HITS_MAGIC "BVHBHITS"
 
 enum {
@@ -71,24 +71,23 @@ typedef struct bb_rays_header {
     uint64_t vertex_count;
     uint64_t triangle_count;
     uint64_t sphere_count;
-    uint64_t
-        scene_hash;     /* of the last three counts as uint32_t, those of more_counts that are not 0
-                          * likewise, vertices, indices, spheres, boxes */
-    uint64_t rays_hash; /* of the rays */
+    /* hash of the last three counts and the more_counts that are not 0, each as uint32_t, then
+     * vertices, indices, spheres, boxes */
+    uint64_t scene_hash;
+    uint64_t rays_hash; /* hash of the rays */
     uint64_t checksum;
-    uint64_t
-        seed; /* the rays were made by: scene, workload, view, this and the last three numbers */
+    uint64_t seed; /* the rays follow from scene, workload, view, seed and the last three numbers */
     uint32_t width; /* of the picture that the rays make, row by row; 0: none */
     uint32_t height;
     uint32_t primary_width; /* of the primary rays: these rays, or those at whose hits they start */
     uint32_t primary_height;
     uint32_t max_rays;
     uint32_t reserved;   /* 0 */
-    char scene[256];     /* as given to `bvhbench rays` */
+    char scene[256];     /* the text that `bvhbench rays` got */
     char rays[128];      /* the workload, with its parameters */
-    char view[48];       /* "": made over all views, or without one */
+    char view[48];       /* "": the rays are of all views, or of none */
     char generator[424]; /* version and command line of the program that wrote the file */
-    uint64_t more_counts[BB_EXCHANGE_MORE_KINDS]; /* of boxes; 0 for kinds to come */
+    uint64_t more_counts[BB_EXCHANGE_MORE_KINDS]; /* number of boxes, then 0 for kinds to come */
 } bb_rays_header;
 
 /* 128 bytes. */
@@ -99,10 +98,10 @@ typedef struct bb_hits_header {
     uint32_t header_bytes; /* 128: where the hits start */
     uint32_t reserved;     /* 0 */
     uint64_t hit_count;
-    uint64_t scene_hash; /* both of the rays file */
+    uint64_t scene_hash; /* scene_hash and rays_hash are copied from the rays file */
     uint64_t rays_hash;
     uint64_t checksum; /* 0: none */
-    char tracer[72];   /* its name, for the report; may be "" */
+    char tracer[72];   /* name of the tracer, for the report; may be "" */
 } bb_hits_header;
 
 BB_STATIC_ASSERT(sizeof(bb_rays_header) == 1024, "bb_rays_header");

@@ -1,8 +1,7 @@
-/* Rays files and hits files: written from what is in memory, read with suspicion.
+/* Writes rays files, and reads rays files and hits files that may be damaged or hostile.
  *
- * A reader believes nothing before it has checked it: first what the header says of itself, then
- * its counts against the size of the file (only then is memory taken), then the content against
- * hashes and checksum.
+ * A reader checks the header first, then its counts against the size of the file, and only then
+ * takes memory. Last it checks the content against hashes and checksum.
  */
 #include "framework/exchange/exchange_file.h"
 
@@ -28,7 +27,7 @@ static const char rays_file[] = "rays file", hits_file[] = "hits file";
 
 /* ---- writing ---- */
 
-/* Kinds that came after the two whose counts have names of their own. */
+/* Kinds of primitives after the first two, whose counts have members of their own. */
 enum { MORE = BB_SPHERE + 1, MORE_COUNT = BB_KIND_COUNT - MORE };
 BB_STATIC_ASSERT((int)MORE_COUNT <= (int)BB_EXCHANGE_MORE_KINDS, "room for all kinds");
 
@@ -97,7 +96,7 @@ bb_status bb_exchange_write_rays(const char *path, const bb_scene *scene, const 
 
 /* ---- reading rays ---- */
 
-/* NULL for a number that stands for none. */
+/* Returns the query of the header's number; NULL: there is none. */
 static const bb_query *query_of(const bb_rays_header *header)
 {
     for (const bb_query *const *query = bb_queries; *query != NULL; query++)
@@ -106,7 +105,7 @@ static const bb_query *query_of(const bb_rays_header *header)
     return NULL;
 }
 
-/* Adds the bytes of the kinds that more_counts counts. */
+/* Checks more_counts, and adds the bytes of these primitives. */
 static bb_status check_more_counts(const bb_intake *in, const bb_rays_header *header,
                                    uint64_t *bytes)
 {
@@ -157,7 +156,7 @@ static bb_status check_rays_header(const bb_intake *in, const bb_rays_header *he
     BB_TRY(bb_intake_check_text(in, "rays", header->rays, sizeof header->rays));
     BB_TRY(bb_intake_check_text(in, "view", header->view, sizeof header->view));
     BB_TRY(bb_intake_check_text(in, "generator", header->generator, sizeof header->generator));
-    /* below 2^31 rays, primitives and so on: no sum of them overflows */
+    /* each count is below 2^31, so the sum does not overflow */
     uint64_t bytes = sizeof *header + header->ray_count * sizeof(bb_ray) +
                      header->vertex_count * 3 * sizeof(float) +
                      header->triangle_count * 3 * sizeof(uint32_t) +
@@ -186,7 +185,7 @@ static bb_status check_scene(const char *path, const bb_rays_header *header, con
                    path, header->scene, header->scene_hash, scene->name, scene->hash);
 }
 
-/* What the header says of rays of a workload must be what the workload is. */
+/* Checks the header's query and must_hit against the workload. */
 static bb_status check_workload(const char *path, const bb_scene *scene,
                                 const bb_rays_header *header, const bb_spec *spec,
                                 const bb_workload *workload)
@@ -209,7 +208,7 @@ static bb_status check_workload(const char *path, const bb_scene *scene,
     return BB_OK;
 }
 
-/* Rays made by hand have no workload, and nothing that follows from one. */
+/* Checks that rays made by hand name no workload and have 0 where a workload would have a value. */
 static bb_status check_by_hand(const char *path, const bb_rays_header *header, const bb_spec *spec,
                                const bb_workload *workload)
 {
@@ -249,7 +248,7 @@ static bb_status describe(const char *path, const bb_scene *scene, const bb_rays
     return BB_OK;
 }
 
-/* The part of the scene that `data` holds must be the next in the file. */
+/* Checks that the next `size` bytes of the file equal `data`, a part of the scene. */
 static bb_status compare(bb_intake *in, const void *data, size_t size)
 {
     char piece[PIECE];

@@ -1,5 +1,5 @@
-/* Rays files and hits files (framework/exchange/exchange.h): writing, and reading what anybody may
- * have written. */
+/* Writes rays files and reads rays files and hits files (framework/exchange/exchange.h). Readers
+ * trust nothing in a file. */
 #ifndef BB_EXCHANGE_FILE_H
 #define BB_EXCHANGE_FILE_H
 
@@ -8,34 +8,33 @@
 #include "framework/rays/rays.h"
 #include "framework/scene/scene.h"
 
-/* Writes scene and rays by way of a temporary file. `generator` is cut where the header has no more
- * room. */
+/* Writes scene and rays into a temporary file, which then takes the name `path`. A `generator` that
+ * is too long for the header is cut. */
 bb_status bb_exchange_write_rays(const char *path, const bb_scene *scene, const bb_rays *rays,
                                  const char *generator);
 
-/* Reads the ray set of a file that was made for `scene`: of a workload or, if `by_hand`, one under
- * a name that is no workload's. BB_INVALID, with what is wrong, unless each byte of the file is as
- * it was written: its counts are those of the scene and agree with its size, and hashes and
- * checksum with its content. That the rays are those of the workload is left to
- * bb_exchange_verify_rays(). Owned by the caller: bb_rays_free(). */
+/* Reads the ray set of a file that was made for `scene`. With `by_hand`, its name must not be a
+ * workload's; else it must be one. BB_INVALID if the counts are not those of the scene, or if
+ * counts, hashes or checksum do not agree with the content. Whether the rays are those of the
+ * workload is what bb_exchange_verify_rays() checks. The caller owns the rays: bb_rays_free(). */
 bb_status bb_exchange_read_rays(const char *path, const bb_scene *scene, bool by_hand,
                                 bb_rays **rays);
 
-/* Makes the rays of a workload again, from the scene and from what their file says they were made
- * by. BB_INVALID unless they are the same. `path` is that of the file, for the message. */
+/* Generates the rays again, from the scene and the header. BB_INVALID if they differ. Messages name
+ * the file `path`. */
 bb_status bb_exchange_verify_rays(const char *path, const bb_scene *scene, bb_oracle *oracle,
                                   const bb_rays *rays);
 
 /* What a tracer answered. */
 typedef struct bb_outside_hits {
     bb_hit *hits;   /* from bb_host_alloc */
-    uint32_t count; /* of the first rays; 1 or more */
+    uint32_t count; /* at least 1; the hits belong to the first rays */
     char tracer[sizeof((bb_hits_header *)0)->tracer];
 } bb_outside_hits;
 
-/* Reads the hits that were made for `rays` of `scene`; BB_INVALID, with what is wrong, if they were
- * not, or if one of them is no answer (exchange.h says what is). *out must be zeroed;
- * bb_outside_hits_release() frees it. */
+/* Reads the hits of a tracer on `rays` of `scene`. BB_INVALID if the file is for other rays, or if
+ * a hit is not a valid answer by exchange.h. *out must be zeroed; free it with
+ * bb_outside_hits_release(). */
 bb_status bb_exchange_read_hits(const char *path, const bb_scene *scene, const bb_rays *rays,
                                 bb_outside_hits *out);
 void bb_outside_hits_release(bb_outside_hits *hits);

@@ -1,4 +1,4 @@
-/* What the readers of rays files and of hits files share. */
+/* Opening, reading and summing up of rays files and hits files; checks of their headers. */
 #include "framework/exchange/exchange_intake.h"
 
 #include "framework/exchange/exchange.h"
@@ -37,7 +37,7 @@ bb_status bb_intake_read(bb_intake *in, void *data, size_t size)
     return BB_OK;
 }
 
-/* What both headers begin with. */
+/* The first members of both headers. */
 typedef struct preamble {
     char magic[8];
     uint32_t version, byte_order, header_bytes;
@@ -104,7 +104,7 @@ bb_status bb_intake_check_sum(const bb_intake *in, uint64_t checksum)
                    in->input.what, in->input.path, sum, checksum);
 }
 
-/* Ends with a 0, nothing but 0 after it, and nothing that moves a terminal's cursor. */
+/* Returns whether the text ends with a 0, has only 0 after it and no control characters. */
 static bool is_text(const char *text, size_t capacity)
 {
     size_t length = strnlen(text, capacity);

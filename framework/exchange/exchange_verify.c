@@ -1,4 +1,4 @@
-/* Whether the rays of a file are those of the workload that it names: they are made again. */
+/* Checks that the rays of a file are those of its workload, by generating them again. */
 #include "framework/exchange/exchange_file.h"
 #include "framework/scene/camera.h"
 #include "framework/workload/workload.h"

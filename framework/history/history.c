@@ -76,7 +76,7 @@ const char *bb_history_text(sqlite3_stmt *statement, int column)
     return text != NULL ? (const char *)text : "";
 }
 
-/* The first number that a query gives. */
+/* Stores the first number of a query's result. */
 static bb_status ask(bb_history *history, const char *sql, int64_t *value)
 {
     sqlite3_stmt *statement = NULL;
@@ -90,7 +90,7 @@ static bb_status ask(bb_history *history, const char *sql, int64_t *value)
 
 /* ---- opening ---- */
 
-/* Empty, or one of ours; nobody else's database is touched. */
+/* Refuses a file that is neither empty nor a history, so that no other database is changed. */
 static bb_status check_owner(bb_history *history, bool *empty)
 {
     int64_t application, version, tables;
@@ -110,13 +110,13 @@ static bb_status check_owner(bb_history *history, bool *empty)
     return BB_OK;
 }
 
-/* Makes the tables in an empty file. Another process may have done it meanwhile: the file is looked
- * at again, behind the lock. */
+/* Makes the tables in an empty file. Another process may have made them meanwhile, so the file is
+ * checked again once it is locked. */
 static bb_status make_tables(bb_history *history)
 {
     char sql[128];
     bool empty;
-    /* in one transaction, or another process might make the file meanwhile */
+    /* in one transaction: another process might make the tables meanwhile */
     BB_TRY(bb_history_exec(history, "BEGIN", "read it"));
     bb_status seen = check_owner(history, &empty);
     (void)sqlite3_exec(history->db, "COMMIT", NULL, NULL, NULL);
@@ -135,7 +135,7 @@ static bb_status make_tables(bb_history *history)
     return status;
 }
 
-/* Takes the lock, makes the journal and changes a page: then takes it back. */
+/* Tests whether the file can be written: changes a page in a transaction and rolls it back. */
 static bb_status try_write(bb_history *history)
 {
     bb_status status =
@@ -187,7 +187,7 @@ void bb_history_close(bb_history *history)
 
 /* ---- appending ---- */
 
-/* What a run says of itself beside its origin. */
+/* Columns of a run that are not in its origin. */
 typedef struct about {
     const char *version, *opencl, *flags, *kernels, *command;
 } about;
@@ -213,7 +213,7 @@ typedef struct inserts {
     sqlite3_stmt *cell, *measurement, *figure;
 } inserts;
 
-/* "[1.5,2]" with all digits; NULL without samples or memory. */
+/* Returns the samples as JSON, "[1.5,2]", with all digits; NULL if there are none, or no memory. */
 static char *samples_text(const bb_samples *ms)
 {
     if (ms->count == 0)
@@ -273,7 +273,7 @@ static bb_status append_cells(bb_history *history, const bb_cell_set *set, int64
     return status;
 }
 
-/* Commits, or takes back what was done since BEGIN. */
+/* Commits, or rolls back what was done since BEGIN. */
 static bb_status finish(bb_history *history, bb_status status)
 {
     if (status == BB_OK)
@@ -283,7 +283,7 @@ static bb_status finish(bb_history *history, bb_status status)
     return status;
 }
 
-/* Frees the set. `status`: whether it could be made. */
+/* Appends the set, if `status` says that it could be made, and frees it. */
 static bb_status append_set(bb_history *history, bb_status status, bb_cell_set *set, const about *a)
 {
     int64_t run = 0;

@@ -1,4 +1,4 @@
-/* What the history knows: revisions by machine, their cells, floors. */
+/* Reads revisions, cells and floors from the history. */
 #include "framework/history/history.h"
 
 #include "framework/history/history_private.h"
@@ -17,7 +17,7 @@ static void copy(char *to, size_t capacity, sqlite3_stmt *row, int column)
     snprintf(to, capacity, "%s", bb_history_text(row, column));
 }
 
-/* From COLUMNS. */
+/* Reads the columns of COLUMNS. */
 static void read_origin(sqlite3_stmt *row, bb_origin *o)
 {
     copy(o->what, sizeof o->what, row, 1);
@@ -75,7 +75,8 @@ bb_status bb_history_list(bb_history *history, bb_history_entry **entries, uint3
     return end(history, statement, status, code);
 }
 
-/* The whole name of a commit stands for what is kept of it. */
+/* Returns whether one begins with the other: the database keeps abbreviated names of commits, and a
+ * user may give whole ones. */
 static bool begins(const char *revision, const char *text)
 {
     size_t kept = strlen(revision);
@@ -83,7 +84,7 @@ static bool begins(const char *revision, const char *text)
            (kept >= 7 && strncmp(revision, text, kept) == 0);
 }
 
-/* Which of the entries' revisions is meant. */
+/* Finds the one revision that `text` means. */
 static bb_status resolve(const bb_history *history, const bb_history_entry *entries, uint32_t count,
                          const char *text, const char **revision)
 {
@@ -184,8 +185,8 @@ static bb_status read_figures(bb_history *history, sqlite3_stmt *figures, int64_
     return status;
 }
 
-/* Of `rows`: id, key, time, reference, status, scene_hash, rays_hash, samples. Of several rows of
- * one key, which follow each other, the first is taken. */
+/* Adds cells from rows of id, key, time, reference, status, scene_hash, rays_hash, samples. If
+ * several successive rows have one key, the first counts. */
 static bb_status read_cells(bb_history *history, sqlite3_stmt *rows, bb_cell_set *set)
 {
     sqlite3_stmt *figures = NULL;
@@ -250,10 +251,10 @@ static bb_status read_run(bb_history *history, int64_t run, bb_cell_set *set)
 
 /* ---- floors ---- */
 
-enum { PAIRS_MAX = 20 }; /* of runs that are compared for a floor: the latest */
+enum { PAIRS_MAX = 20 }; /* pairs of runs that are compared for a floor: the latest ones */
 
-/* Pairs of runs of one revision that follow each other on the machine. What is not known, or has
- * changes that were not committed, may be two programs. */
+/* Finds pairs of successive runs of one revision on the machine. A revision that is unknown, or has
+ * uncommitted changes, may be two programs and is left out. */
 static bb_status find_pairs(bb_history *history, const bb_origin *o, int64_t pairs[PAIRS_MAX][2],
                             uint32_t *count)
 {
@@ -274,7 +275,7 @@ static bb_status find_pairs(bb_history *history, const bb_origin *o, int64_t pai
     return end(history, statement, BB_OK, code);
 }
 
-/* What `compare --run A A` kept. */
+/* Reads the floor that `compare --run A A` kept. */
 static bb_status kept_floor(bb_history *history, const bb_origin *o, bb_floor *floor)
 {
     sqlite3_stmt *statement = NULL;
@@ -296,7 +297,7 @@ static bb_status kept_floor(bb_history *history, const bb_origin *o, bb_floor *f
     return code == SQLITE_ROW ? BB_OK : bb_history_fail(history, "read it");
 }
 
-/* Into `floor`. */
+/* Takes the effects between two runs into `floor`. */
 static bb_status take_pair(bb_history *history, const int64_t runs[2], bb_floor *floor)
 {
     bb_cell_set sets[2] = {{.count = 0}, {.count = 0}};
@@ -331,7 +332,7 @@ bb_status bb_history_floor(bb_history *history, const bb_origin *machine, bb_flo
                  useful);
         return BB_OK;
     }
-    floor->share = kept.share; /* with the cells' own, where they are known */
+    floor->share = kept.share; /* the cells keep their own floors */
     memcpy(floor->from, kept.from, sizeof floor->from);
     return BB_OK;
 }

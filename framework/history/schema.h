@@ -7,6 +7,6 @@ enum {
     BB_HISTORY_APPLICATION = 0x42564842, /* "BVHB" */
 };
 
-extern const char bb_history_tables[]; /* SQL that makes them in an empty file */
+extern const char bb_history_tables[]; /* SQL that creates the tables in an empty file */
 
 #endif

@@ -15,8 +15,8 @@ static bool same_place(const bb_origin *a, const bb_origin *b)
     return bb_same_machine(a, b, &host) && host;
 }
 
-/* known := known with the cells of `set` in the place of those of the same keys, or added. The
- * copies are shallow: what they point to stays the sets'. */
+/* Puts the cells of `set` into `known`, in place of those of the same keys. The copies are shallow:
+ * the sets still own what they point to. */
 static bb_status renew(bb_cell_set *known, const bb_cell_set *set)
 {
     uint32_t room = known->count + set->count, i = 0, k = 0;
@@ -45,7 +45,7 @@ static bool have_common(const bb_cell_set *a, const bb_cell_set *b)
     return false;
 }
 
-/* Against what was known before it. */
+/* Compares entry i with what was known before it. */
 static bb_status step(bb_trend *trend, uint32_t i, const bb_cell_set *known)
 {
     bb_comparison_result *result = &trend->steps[i];
@@ -55,7 +55,7 @@ static bb_status step(bb_trend *trend, uint32_t i, const bb_cell_set *known)
     bb_status status =
         bb_compare(&(bb_side){known, 1}, &(bb_side){&trend->sets[i], 1}, NAN, floor, result);
     for (uint32_t m = 0; m < result->move_count; m++)
-        result->moves[m].before = NULL; /* does not outlive this call */
+        result->moves[m].before = NULL; /* it points to what this call frees */
     result->before = result->after = (bb_side){NULL, 0};
     return status;
 }
@@ -79,7 +79,7 @@ static bb_status fill(bb_history *history, bb_trend *trend)
     return status;
 }
 
-/* Entries of the machine of entries[first], which are taken out of the list. */
+/* Moves the entries of the last entry's machine from the list into the trend. */
 static bb_status take_machine(bb_history_entry *entries, uint32_t *count, bb_trend *trend)
 {
     const bb_origin machine = entries[*count - 1].origin;
