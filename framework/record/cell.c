@@ -1,4 +1,4 @@
-/* Keys: text to cell and back. */
+/* Reads and writes the keys of cells. */
 #include "framework/record/cell.h"
 #include "framework/base/number.h"
 #include "framework/builder/builder.h"
@@ -86,7 +86,7 @@ static int hex(char c)
                                   : -1;
 }
 
-/* Bytes [at, end) decoded. */
+/* Decodes bytes [at, end). */
 static bb_status decode(const char *key, const char *at, const char *end, char value[BB_CELL_TEXT])
 {
     size_t length = 0;
@@ -159,7 +159,7 @@ static bb_status read_figure(const char *key, const char *name, char *text, bb_c
 
 enum { FIGURE_COUNT = 4, TEXT_COUNT = 6, PART_COUNT = FIGURE_COUNT + TEXT_COUNT };
 
-/* One part, [at, end), whose bit in *seen is set. */
+/* Reads one part, [at, end), and sets its bit in *seen. */
 static bb_status read_part(const char *key, const char *at, const char *end, bb_cell_parts *cell,
                            unsigned *seen)
 {
@@ -191,7 +191,7 @@ bool bb_is_reference(const char *builder)
            (builder[length] == '\0' || builder[length] == ':');
 }
 
-/* What must be there, what must not, and what is left to its default. */
+/* Checks which parts must and must not be there, and sets defaults. */
 static bb_status complete(const char *key, bb_cell_parts *cell)
 {
     bool traced = cell->rays[0] != '\0', kernel = cell->kernel[0] != '\0';

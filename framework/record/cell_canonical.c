@@ -1,4 +1,4 @@
-/* One spelling for each cell: parameters in the order of their declaration, with or without those
+/* Gives each cell one spelling: parameters in the order of their declaration, with or without those
  * that have their defaults. */
 #include "framework/base/number.h"
 #include "framework/builder/pipeline.h"
@@ -15,7 +15,7 @@
 
 enum { OPTIONS_MAX = 3 * BB_PARAMS_MAX };
 
-/* Appends "name:key=value,..." piece by piece; what does not fit is noted. */
+/* A text to which pieces are appended. `full`: a piece did not fit. */
 typedef struct text {
     char text[BB_CELL_TEXT];
     size_t length;
@@ -29,9 +29,9 @@ static void append(text *t, const char *a, const char *b, const char *c, const c
     t->length += t->full ? 0 : (size_t)length;
 }
 
-/* Whole numbers in plain digits, so that 1e6 and 1000000 are one; but what equals the default is
- * spelled as that is. What an option takes is not declared: where its default is a word, so may a
- * value be that looks like a number (view=007). */
+/* Spells whole numbers in plain digits, so that 1e6 and 1000000 are the same; a value that equals
+ * the default is spelled like it. Options do not declare their types: if the default is a word, a
+ * value that looks like a number may be a word too (view=007). */
 static const char *respell_value(const bb_option *option, const char *value, char digits[32])
 {
     uint64_t number, by_default;
@@ -46,7 +46,8 @@ static const char *respell_value(const bb_option *option, const char *value, cha
     return digits;
 }
 
-/* Writes `spec` anew over `out`, which stays as it is if its parameters are not those declared. */
+/* Overwrites `out` with the canonical `spec`. If a parameter is not declared, `out` stays as it is.
+ */
 static void respell(const bb_spec *spec, const bb_option *options, bool defaults,
                     char out[BB_CELL_TEXT])
 {
@@ -70,8 +71,8 @@ static void respell(const bb_spec *spec, const bb_option *options, bool defaults
         strcpy(out, t.text);
 }
 
-/* A stage among others: a `+` in a value is told from one between stages as bb_spec_stages()
- * does. */
+/* Appends a stage of a pipeline. A `+` within a value is told from one between stages as in
+ * bb_spec_stages(). */
 static void append_stage(text *t, const char *stage)
 {
     append(t, t->length > 0 ? "+" : "", "", "", "");
@@ -128,7 +129,8 @@ static bool same_rules(const bb_intersector *a, const bb_intersector *b)
            strcmp(a->contract, b->contract) == 0;
 }
 
-/* The first name with these rules; where none has them, the default with what differs. */
+/* Replaces an intersector by the first name with its rules; if there is none, by the default with
+ * the parameters that differ. */
 static void respell_intersector(char intersector[BB_CELL_TEXT], bool defaults)
 {
     bb_intersector rules;
@@ -161,7 +163,7 @@ static void respell_rays(char rays[BB_CELL_TEXT], bool defaults)
         respell(&spec, found->options, defaults, rays);
 }
 
-/* A file, which may be called as a generator, keeps its path. */
+/* Makes a scene canonical. A file keeps its path, even if it is called like a generator. */
 static void respell_scene(char scene[BB_CELL_TEXT], bool defaults)
 {
     bb_spec spec;

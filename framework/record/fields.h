@@ -2,16 +2,15 @@
  *
  *   FIELD(id, part, name, unit, types, writer, format, heading, help)
  *
- * `id` is BB_F_id in C. `part` is where the field stands (schema.h). `types` are those that a
- * reader takes. `writer` says where the value comes from: a member of the record (scene S, its
- * profile P, build B, trace T, its accuracy A, note N for skipped sets and pictures,
- * prediction F), a
- * function (BY), or another field's function or a later step (LATER). `format`, `heading` and
- * `help` are those of all tables; a field without a heading is in no table. Fields may be added,
- * never renamed.
+ * `id` is BB_F_id in C. `part` is where the field stands (schema.h). `types` are the types that a
+ * reader accepts. `writer` says where the value comes from: a member of the record (scene S, its
+ * profile P, build B, trace T, its accuracy A, note N for skipped sets and pictures, prediction F),
+ * a function (BY), or another field's function or a later step (LATER). All tables use `format`,
+ * `heading` and `help`; a field without a heading is in no table. Fields may be added, but not
+ * renamed.
  *
- * Not here: what is measured of trees. Each metric (framework/tree/metric.h) is one more field, or
- * two, of the tree.
+ * Metrics of trees are not listed here. Each of them (framework/tree/metric.h) is one or two
+ * further fields of the tree.
  *
  * This file has no guard: whoever includes it defines FIELD for its own purpose.
  */

@@ -1,4 +1,4 @@
-/* Members into a JSON object; each returns false when there is no memory. */
+/* Puts members into a JSON object. Each function returns false without memory. */
 #ifndef BB_PUT_H
 #define BB_PUT_H
 
@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Takes `item` over, also when it fails; NULL fails. */
+/* Takes ownership of `item`, also on failure. Fails if `item` is NULL. */
 bool bb_put(cJSON *object, const char *name, cJSON *item);
 bool bb_put_text(cJSON *object, const char *name, const char *text); /* null if empty */
 bool bb_put_number(cJSON *object, const char *name, double value);   /* null if not finite */

@@ -1,5 +1,5 @@
-/* The result document: schema bvhbench-results/1, a cJSON tree that grows by one entry per record.
- * What its fields are called, and where they come from: fields.h.
+/* The result document, schema bvhbench-results/1: a cJSON tree that grows by one entry per record.
+ * fields.h names its fields and says where they come from.
  */
 #include "framework/record/record.h"
 #include "framework/embree/embree.h"
@@ -39,7 +39,7 @@ void bb_trace_record_init(bb_trace_record *trace)
     trace->accuracy.first_wrong = BB_NONE;
 }
 
-/* A new entry of the array `section`, filled from its record. */
+/* Appends a new entry to the array `section`, and fills it from its record. */
 static bb_status append(bb_results *results, const char *section, bb_field_part part,
                         const void *record, const void *extra)
 {

@@ -1,4 +1,5 @@
-/* The context of a run: the row of tables that says the same, and Embree. */
+/* The context of a run: the members of the first row of tables (framework/device/run_row.h), and
+ * Embree's version. */
 #include "framework/embree/embree.h"
 #include "framework/record/record_private.h"
 

@@ -1,4 +1,5 @@
-/* Decisions as members: { "code bits": { "value": 24, "by": "scene", "figure": "..." }, ... }. */
+/* Puts decisions into the document: { "code bits": { "value": 24, "by": "scene", "figure": "..." },
+ * ... }. */
 #include "framework/record/record_private.h"
 
 #include "framework/base/number.h"
@@ -24,7 +25,7 @@ static bool put_decision(cJSON *all, const bb_decision *d)
     return false;
 }
 
-/* Absent where there are none. */
+/* Puts decisions, if there are any. */
 static bool put_decisions(cJSON *object, const char *name, const bb_decisions *list)
 {
     if (list->count == 0)
@@ -39,7 +40,7 @@ static bool put_decisions(cJSON *object, const char *name, const bb_decisions *l
     return false;
 }
 
-/* Of a profile that nobody measured, nothing is needed that is known. */
+/* Puts what the scene needs, if its profile was measured. */
 bool bb_put_needs(cJSON *object, const char *name, const void *record, const void *extra)
 {
     (void)extra;
@@ -62,7 +63,7 @@ bool bb_put_trace_decisions(cJSON *object, const char *name, const void *record,
     return put_decisions(object, name, &((const bb_trace_record *)record)->decisions);
 }
 
-/* Null where 64 bits do not separate the centroids. */
+/* Puts null if 64 bits do not separate the centroids. */
 bool bb_put_bits(cJSON *object, const char *name, const void *record, const void *extra)
 {
     (void)extra;

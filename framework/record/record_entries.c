@@ -1,4 +1,4 @@
-/* What the table of fields cannot say: fields of scenes, builds and traces that follow from several
+/* Fields of scenes, builds and traces that the table cannot describe: they follow from several
  * members of the record, or from other entries. */
 #include "framework/record/record_private.h"
 
@@ -19,7 +19,7 @@ bool bb_put_kinds(cJSON *object, const char *name, const void *record, const voi
     return bb_put_text(object, name, kinds);
 }
 
-/* "triangles": 12, "spheres": 0; of further kinds those that the scene has. */
+/* Puts "triangles": 12, "spheres": 0, and other kinds if the scene has them. */
 bool bb_put_prims(cJSON *object, const char *name, const void *record, const void *extra)
 {
     (void)name;
@@ -60,7 +60,7 @@ bool bb_put_closed(cJSON *object, const char *name, const void *record, const vo
     return bb_put(object, name, closed < 0 ? cJSON_CreateNull() : cJSON_CreateBool(closed != 0));
 }
 
-/* The median as NAME, all samples as NAME_samples. `extra`: the samples, or NULL. */
+/* Puts the median as NAME and all samples as NAME_samples. `extra`: the samples, or NULL. */
 bool bb_put_boxes(cJSON *object, const char *name, const void *record, const void *extra)
 {
     (void)record;
@@ -89,8 +89,8 @@ bool bb_put_views(cJSON *object, const char *name, const void *record, const voi
 
 /* ---- builds ---- */
 
-/* All parameters: as given, else the declared default; those without either are null. `stage`
- * stands before their names. */
+/* Adds all parameters: the given value, else the declared default, else null. `stage` stands before
+ * their names. */
 static bool add_params(cJSON *params, const char *stage, const bb_spec *spec,
                        const bb_option *options)
 {
@@ -143,13 +143,13 @@ bool bb_put_build_params(cJSON *object, const char *name, const void *record, co
     return false;
 }
 
-/* 0: not known. */
+/* Puts null for 0, which means not known. */
 static bool put_bytes(cJSON *object, const char *name, uint64_t bytes)
 {
     return bb_put_number(object, name, bytes > 0 ? (double)bytes : (double)NAN);
 }
 
-/* Times, all their samples, SAH, and bytes, of a pipeline; else there are none. */
+/* Puts times, all samples, SAH and bytes of a pipeline's steps; nothing for a single builder. */
 bool bb_put_steps(cJSON *object, const char *name, const void *record, const void *extra)
 {
     (void)extra;
@@ -180,7 +180,7 @@ bool bb_put_build_times(cJSON *object, const char *name, const void *record, con
     return bb_put_build_spread(object, &((const bb_build_record *)record)->build_ms);
 }
 
-/* `extra`: the scene's entry. */
+/* Puts primitives per second. `extra`: the scene's entry. */
 bool bb_put_build_rate(cJSON *object, const char *name, const void *record, const void *extra)
 {
     const bb_build_record *build = record;
@@ -195,7 +195,7 @@ bool bb_put_phases(cJSON *object, const char *name, const void *record, const vo
     return bb_put_named(object, name, build->phases, build->phase_count);
 }
 
-/* Times, all their samples, SAH, and bytes. */
+/* Puts times, all samples, SAH and bytes of the layouts. */
 bool bb_put_layouts(cJSON *object, const char *name, const void *record, const void *extra)
 {
     (void)extra;
@@ -215,7 +215,8 @@ bool bb_put_layouts(cJSON *object, const char *name, const void *record, const v
     return ok;
 }
 
-/* Follows from what stands in the object already; a reference has no layouts. */
+/* Puts the time before the first ray, from members that were put before. A reference has no
+ * layouts. */
 bool bb_put_first_ray(cJSON *object, const char *name, const void *record, const void *extra)
 {
     (void)record;
@@ -238,7 +239,7 @@ static bool put_metric(cJSON *tree, const bb_metric *metric, const bb_metric_val
            (!metric->sampled || bb_put_number(tree, half, measured->half));
 }
 
-/* Its fields, and all metrics: those that are always measured, then those on request. */
+/* Puts the fields of a tree, the metrics that are always measured, and then those on request. */
 bool bb_put_tree(cJSON *object, const char *name, const void *record, const void *extra)
 {
     (void)extra;
@@ -290,7 +291,7 @@ bool bb_put_rays_params(cJSON *object, const char *name, const void *record, con
            put_params(object, name, trace->rays_spec, trace->rays_options);
 }
 
-/* A rate that was given has no samples, thus neither interval nor range. */
+/* Puts the rate. A given rate has no samples, so neither interval nor range. */
 bool bb_put_rate(cJSON *object, const char *name, const void *record, const void *extra)
 {
     (void)extra;
@@ -304,8 +305,8 @@ bool bb_put_rate(cJSON *object, const char *name, const void *record, const void
            bb_put_rate_spread(object, &trace->ms);
 }
 
-/* Tests by their costs in SAH: a pair of boxes, a primitive. On binary nodes, each of which has two
- * boxes, that is 1.2 for a node; on wide ones children/2 of it, as SAH has it. */
+/* Returns the tests weighted by their costs in SAH. A binary node, which has two boxes, costs 1.2;
+ * a wide node costs children/2 times as much, as in SAH. */
 static double work_of(double boxes, double prims)
 {
     return BB_COST_TRAVERSAL * 0.5 * boxes + BB_COST_INTERSECTION * prims;

@@ -1,5 +1,5 @@
-/* Shards of one run become that run: unlike merging (record_merge.c), nothing is numbered, and of a
- * build that one shard measured and others only needed, the measured one stays.
+/* Joins the shards of one run. Unlike merging (record_merge.c), runs are not numbered. If one shard
+ * measured a build and others only needed it, the measured one stays.
  */
 #include "framework/record/record_private.h"
 
@@ -44,7 +44,7 @@ static bb_status check_contexts(const cJSON *a, const cJSON *b)
     return BB_OK;
 }
 
-/* Shards of runs that asked for other cells deal these out otherwise: some would be missing. */
+/* Checks that both shards are of the same request: else their parts would not make up the whole. */
 static bb_status check_requests(const cJSON *a, const cJSON *b)
 {
     const char *x = bb_get_text(a, BB_F_CONTEXT_SHARD_OF),
@@ -74,7 +74,7 @@ static int by_text(const void *a, const void *b)
     return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
 
-/* Keys of all traces, sorted; from malloc. */
+/* Returns the keys of all traces, sorted; from malloc. */
 static const char **keys_of(const bb_results *results, size_t *count)
 {
     const cJSON *traces = bb_results_section(results, BB_TRACES), *trace;
@@ -110,7 +110,7 @@ static bb_status check_traces(const bb_results *a, const bb_results *b)
 
 /* ---- builds ---- */
 
-/* A tree that differs is another build: not all builders are deterministic. */
+/* Returns whether both builds gave the same tree: not all builders are deterministic. */
 static bool same_tree(const cJSON *a, const cJSON *b)
 {
     static const bb_field_id shape[] = {BB_F_TREE_NODES, BB_F_TREE_LEAVES, BB_F_TREE_REFS,
@@ -138,7 +138,7 @@ static cJSON *find_build(const bb_results *results, const cJSON *like)
     return NULL;
 }
 
-/* *id: what `build` is called in `a`. */
+/* Joins a build. *id is its id in `a`. */
 static bb_status join_build(bb_results *a, const cJSON *build, double *id)
 {
     cJSON *known = find_build(a, build);
@@ -226,7 +226,7 @@ static bb_status join_times(bb_results *a, const bb_results *b)
                                 bb_json_number(x, "total") + bb_json_number(y, "total"));
 }
 
-/* "2/8 on HOST, DATE", in the list of `context`. */
+/* Adds "2/8 on HOST, DATE" to the list of shards in `context`. */
 static bb_status note_shard(cJSON *context, const cJSON *of)
 {
     char text[400];

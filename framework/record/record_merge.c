@@ -1,4 +1,4 @@
-/* Merging of result documents: several runs in one report. */
+/* Merges result documents, so that several runs make one report. */
 #include "framework/record/record_private.h"
 
 #include <cjson/cJSON.h>
@@ -9,8 +9,8 @@ static bb_status no_memory(void)
     return bb_fail(BB_FAILED, "merging results: no memory");
 }
 
-/* Scenes of the same name must be the same scene, or speeds on different geometry would stand side
- * by side. */
+/* Checks that scenes of one name have one geometry: else speeds on different geometry would be
+ * compared. */
 static bb_status check_scenes(const bb_results *a, const bb_results *b)
 {
     const cJSON *scene;
@@ -29,8 +29,8 @@ static bb_status check_scenes(const bb_results *a, const bb_results *b)
     return BB_OK;
 }
 
-/* Nor may figures of one device stand in a ranking of another's. What an outside tracer answered
- * has no device of ours. */
+/* Checks that both runs are of one device: else devices would be mixed in one ranking. An external
+ * tracer's answers have no device. */
 static bb_status check_devices(const bb_results *a, const bb_results *b)
 {
     const cJSON *one = bb_results_context(a), *other = bb_results_context(b);
@@ -47,7 +47,7 @@ static bb_status check_devices(const bb_results *a, const bb_results *b)
                      another, device);
 }
 
-/* A copy of `item` at the end of `array`; NULL if there is no memory. */
+/* Appends a copy of `item` to `array`; NULL without memory. */
 static cJSON *copy_to(cJSON *array, const cJSON *item)
 {
     cJSON *copy = cJSON_Duplicate(item, 1);
@@ -57,8 +57,8 @@ static cJSON *copy_to(cJSON *array, const cJSON *item)
     return NULL;
 }
 
-/* Copies of all elements of b's array `section`, with the id in `id_name` (unless NULL) raised by
- * `first_id` and the run noted. */
+/* Copies all elements of b's array `section`. Adds `first_id` to the id in `id_name`, unless that
+ * is NULL, and notes the run. */
 static bb_status copy_rows(bb_results *a, const bb_results *b, const char *section,
                            const char *id_name, double first_id, double first_run)
 {
@@ -83,7 +83,7 @@ static bb_status copy_rows(bb_results *a, const bb_results *b, const char *secti
     return BB_OK;
 }
 
-/* Copies of all elements of b's array `section`, which either may lack, as they are. */
+/* Copies all elements of b's array `section` unchanged. Either document may lack the array. */
 static bb_status copy_list(bb_results *a, const bb_results *b, const char *section)
 {
     const cJSON *from = cJSON_GetObjectItemCaseSensitive(b->root, section), *item;
@@ -98,7 +98,7 @@ static bb_status copy_list(bb_results *a, const bb_results *b, const char *secti
     return from == NULL || to != NULL ? BB_OK : no_memory();
 }
 
-/* Notes b's contexts; *first_run is the number of its first. */
+/* Adds b's contexts. *first_run is the number of the first. */
 static bb_status copy_contexts(bb_results *a, const bb_results *b, double *first_run)
 {
     cJSON *merged = cJSON_GetObjectItemCaseSensitive(a->root, "merged");
@@ -118,8 +118,8 @@ static bb_status copy_contexts(bb_results *a, const bb_results *b, double *first
     return BB_OK;
 }
 
-/* After the steps were added up. Where one of the two has no total, the sum would be that of the
- * other alone. */
+/* Adds the times, after the steps. If a or b has no total, the result has none: it would be that of
+ * the other alone. */
 static bb_status add_times(bb_results *a, const bb_results *b)
 {
     const cJSON *first = cJSON_GetObjectItemCaseSensitive(a->root, "time_ms");

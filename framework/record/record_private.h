@@ -1,4 +1,4 @@
-/* What the record's own files share: the document, and how members are put into it. */
+/* Shared by the files of the record: the document, and functions that put members into it. */
 #ifndef BB_RECORD_PRIVATE_H
 #define BB_RECORD_PRIVATE_H
 
@@ -12,27 +12,28 @@ struct bb_results {
     cJSON *root;
 };
 
-/* A ray set that was skipped, or a picture. */
+/* A skipped ray set, or a picture. */
 typedef struct bb_note_record {
     const char *scene, *rays, *view, *reason, *caption, *path;
 } bb_note_record;
 
 /* ---- members; each returns false when there is no memory ---- */
 
-/* Puts the field `name`, and those that go with it, into `object`. `extra`: what the record lacks.
+/* Puts the field `name`, and those that go with it, into `object`. `extra` has what the record
+ * lacks.
  */
 typedef bool bb_put_fn(cJSON *object, const char *name, const void *record, const void *extra);
 
-/* All fields of a part, from its record: bb_scene, bb_build_record, bb_trace_record
- * or bb_note_record. */
+/* Puts all fields of a part, from its record: bb_scene, bb_build_record, bb_trace_record or
+ * bb_note_record. */
 bool bb_put_part(cJSON *object, bb_field_part part, const void *record, const void *extra);
-/* The same as an object of its own, the member `name` of `entry`. */
+/* Puts all fields of a part into an object of its own, the member `name` of `entry`. */
 bool bb_put_inner(cJSON *entry, const char *name, bb_field_part part, const void *record);
 
 bool bb_put_samples(cJSON *object, const char *name, const bb_samples *samples);
 bool bb_put_named(cJSON *object, const char *name, const bb_named_ms *entries, uint32_t count);
 
-/* What fields.h puts by functions: of a scene, a build, a trace (record_entries.c). */
+/* The functions that fields.h names, of scenes, builds and traces (record_entries.c). */
 bb_put_fn bb_put_prims, bb_put_steps, bb_put_bits, bb_put_needs;
 bb_put_fn bb_put_build_decisions, bb_put_trace_decisions;
 bb_put_fn bb_put_kinds, bb_put_bounds, bb_put_profile, bb_put_boxes, bb_put_views, bb_put_closed;
@@ -42,15 +43,15 @@ bb_put_fn bb_put_native, bb_put_rays_source, bb_put_query, bb_put_rays_params, b
     bb_put_accuracy, bb_put_unlike, bb_put_wrong_ppm, bb_put_overflowed, bb_put_first_wrong,
     bb_put_work, bb_put_first_ray;
 
-/* Gives a trace that has no key one of what it says; the rays, which another program made, are
- * known by their hash. */
+/* Gives a key to a trace without one, from its members. Rays of another program are known by their
+ * hash. */
 bool bb_put_missing_key(cJSON *trace);
 
-/* The run's context as the member "context" of the document. */
+/* Puts the run's context into the document, as the member "context". */
 bb_status bb_put_context(cJSON *root, const bb_context *context, const char *embree_version);
 
-/* Intervals and ranges of `ms` into a build, as times, and into a trace, whose count is there, as
- * rates. False if there is no memory. */
+/* Put intervals and ranges of `ms` into a build as times, and into a trace, which must have its
+ * count, as rates. False without memory. */
 bool bb_put_build_spread(cJSON *build, const bb_samples *ms);
 bool bb_put_rate_spread(cJSON *trace, const bb_samples *ms);
 

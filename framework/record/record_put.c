@@ -1,4 +1,5 @@
-/* Members into the document: what the table of fields says, and the helpers of what it cannot say.
+/* Puts members into the document: those that the table of fields describes, and helpers for the
+ * others.
  *
  * A figure that was not measured is null, never 0. Hashes are strings of 16 hexadecimal digits,
  * since a JSON number does not hold 64 bits.
@@ -33,7 +34,7 @@ bool bb_put_number(cJSON *object, const char *name, double value)
     return bb_put(object, name, number(value));
 }
 
-/* For figures of which 0 says that nobody filled them in. */
+/* Puts a figure whose 0 means that it was not filled in, as null. */
 static bool put_size(cJSON *object, const char *name, uint64_t value)
 {
     return bb_put_number(object, name, value == 0 ? (double)NAN : (double)value);
@@ -82,13 +83,13 @@ bool bb_put_named(cJSON *object, const char *name, const bb_named_ms *entries, u
 /* ---- by the table ---- */
 
 typedef enum kind {
-    NOTHING, /* put by another field's function, or by a later step */
+    NOTHING, /* another field's function, or a later step, puts it */
     FUNCTION,
     CHARS,        /* char[] */
     CHARS_IF_ANY, /* absent if empty */
     STRING,       /* const char *, may be NULL */
     DOUBLE,
-    MEASURED, /* double; of what was refused or failed there are no figures */
+    MEASURED, /* double; absent figures of what was refused or failed */
     FLOAT,
     U32,
     U64,
@@ -104,7 +105,7 @@ typedef enum kind {
 
 typedef struct writer {
     kind kind;
-    size_t offset; /* in the record */
+    size_t offset; /* offset in the record */
     bb_put_fn *function;
 } writer;
 

@@ -1,7 +1,7 @@
-/* Result files: written whole, read with their schema checked, merged.
+/* Writes result files, and reads them with all checks of the schema.
  *
- * What is read may be truncated or hostile: every field that the report uses is checked for its
- * type here, once, so that what comes after need not.
+ * A file may be truncated or hostile. The type of every field that the report uses is checked here,
+ * once, so that no other code has to.
  */
 #include "framework/base/file.h"
 #include "framework/base/json.h"
@@ -13,13 +13,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A result file of a million rows is some 1.5 GB; nobody reads such a report. */
+/* A result file of a million rows has about 1.5 GB: too many for a report. */
 enum { RESULTS_BYTES_MAX = 256 << 20, BUILDS_MAX = 1 << 20 };
 
 /* ---- writing ---- */
 
-/* cJSON takes 15 digits where they are right to within a rounding error; here a number is printed
- * with as many as give the same double back. */
+/* Rewrites numbers with as many digits as give the same double back. cJSON itself takes 15 digits
+ * if they are right to within a rounding error. */
 static bool exact_numbers(cJSON *item)
 {
     for (; item != NULL; item = item->next) {
@@ -54,7 +54,7 @@ bb_status bb_results_write(const bb_results *results, const char *path)
     if (text == NULL)
         return bb_fail(BB_FAILED, "result file %s: no memory", path);
     size_t size = strlen(text);
-    text[size] = '\n'; /* in place of the 0: bb_file_write() takes a size */
+    text[size] = '\n'; /* replaces the 0: bb_file_write() takes a size */
     bb_status status = bb_file_write(path, text, size + 1, "result file");
     cJSON_free(text);
     return status;
@@ -75,7 +75,7 @@ static bool has_negative(const cJSON *item)
     return false;
 }
 
-/* No work takes less than no time. */
+/* Returns whether the field is a time or a rate, which must not be negative. */
 static bool is_time(const bb_field *field)
 {
     size_t length = strlen(field->unit);
@@ -83,7 +83,7 @@ static bool is_time(const bb_field *field)
            (length > 2 && strcmp(field->unit + length - 2, "/s") == 0);
 }
 
-/* `index` < 0: `object` is no element of an array. */
+/* Checks the fields of an object. `index` < 0: it is no element of an array. */
 static bb_status check_fields(const char *path, const char *section, int index, const cJSON *object,
                               bb_field_part part)
 {
@@ -103,7 +103,7 @@ static bb_status check_fields(const char *path, const char *section, int index, 
     return BB_OK;
 }
 
-/* A metric's figures, if the file has them. */
+/* Checks a metric's figures, if the file has them. */
 static bb_status check_metrics(const char *path, const char *place, const cJSON *tree)
 {
     for (uint32_t i = 0; i < bb_metric_count(); i++) {
@@ -119,7 +119,8 @@ static bb_status check_metrics(const char *path, const char *place, const cJSON 
     return BB_OK;
 }
 
-/* Each element of the array `section`, and its member `inner` ("" for none) if that is an object.
+/* Checks each element of the array `section`, and its member `inner` ("": none) if that is an
+ * object.
  */
 static bb_status check_section(const char *path, const cJSON *root, const char *section,
                                bool required, bb_field_part part, const char *inner,
@@ -149,7 +150,7 @@ static bb_status check_section(const char *path, const cJSON *root, const char *
     return BB_OK;
 }
 
-/* Rows of numbers, texts and nulls, as many as there are columns. */
+/* Checks that rows have numbers, texts and nulls, one for each column. */
 static bb_status check_rows(const char *path, const cJSON *root)
 {
     const cJSON *reproduction, *table, *row, *item;
@@ -190,7 +191,8 @@ static bb_status check_reproductions(const char *path, const cJSON *root)
     return check_rows(path, root);
 }
 
-/* Ids are 0, 1, 2 ... below 2^20 and given once; every trace names one that exists. */
+/* Checks that ids of builds are below 2^20 and unique, and that every trace names an existing one.
+ */
 static bb_status check_ids(const char *path, const cJSON *root)
 {
     bool *known = calloc(BUILDS_MAX, sizeof *known);
@@ -222,7 +224,7 @@ out:
     return status;
 }
 
-/* Each build and each trace is of a scene that the file has. */
+/* Checks that the file has the scene of each build and each trace. */
 static bb_status check_scene_names(const char *path, const bb_results *results)
 {
     static const struct {

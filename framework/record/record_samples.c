@@ -1,12 +1,12 @@
-/* What is drawn from the samples of a build or a trace: for a time or rate NAME the members NAME_lo
- * and NAME_hi, the 95 % interval of the median, and NAME_least and NAME_most, the range of the
- * rounds that count. Where there are too few rounds for one of them, it is null.
+/* Statistics of the samples of a build or a trace. For a time or rate NAME, NAME_lo and NAME_hi are
+ * the 95 % interval of the median, and NAME_least and NAME_most the range of the counting rounds.
+ * They are null if there are too few rounds.
  */
 #include "framework/record/record_private.h"
 
 #include <math.h>
 
-/* Into `low` and the three fields that follow it. */
+/* Puts interval and range into `low` and the three fields that follow it. */
 static bool put_spread(cJSON *entry, bb_field_id low, bb_estimate e)
 {
     const double ends[] = {e.low, e.high, e.least, e.most};
@@ -21,7 +21,7 @@ bool bb_put_build_spread(cJSON *build, const bb_samples *ms)
     return put_spread(build, BB_F_BUILD_MS_LO, bb_samples_estimate(ms));
 }
 
-/* The longest time is the lowest rate. */
+/* Puts the spread of a rate: the longest time gives the lowest rate. */
 bool bb_put_rate_spread(cJSON *trace, const bb_samples *ms)
 {
     bb_estimate e = bb_samples_estimate(ms);

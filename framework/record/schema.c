@@ -1,4 +1,4 @@
-/* The table of fields, and look-ups in the document. */
+/* The table of fields as data, and look-ups in the document. */
 #include "framework/record/schema.h"
 
 #include "framework/base/json.h"
@@ -161,7 +161,7 @@ bool bb_get_samples(const cJSON *entry, bb_field_id field, bb_samples *samples)
     return true;
 }
 
-/* Builds, traces and scenes share the name. */
+/* Finds a decision. Builds, traces and scenes use the same field name. */
 static const cJSON *decision(const bb_entry *entry, const char *what)
 {
     const cJSON *all = bb_get(entry, BB_F_BUILD_DECISIONS);
@@ -185,7 +185,7 @@ bool bb_same_text(const cJSON *a, const cJSON *b, bb_field_id field)
     return strcmp(bb_get_text(a, field), bb_get_text(b, field)) == 0;
 }
 
-/* Builds and traces share these names. */
+/* Builds and traces use the same field name. */
 bool bb_is_ok(const cJSON *entry)
 {
     return strcmp(bb_get_text(entry, BB_F_TRACE_STATUS), "ok") == 0;
