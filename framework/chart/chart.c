@@ -1,4 +1,5 @@
-/* Cells of the charts from the records of a run: grouped by scene and rays, added up over views. */
+/* Makes the cells of charts from the records of a run: grouped by scene and rays, summed over
+ * views. */
 #include "framework/chart/chart.h"
 #include "framework/record/record.h"
 
@@ -25,7 +26,7 @@ static int compare_texts(const char *a, size_t a_length, const char *b, size_t b
     return order != 0 ? order : (a_length > b_length) - (a_length < b_length);
 }
 
-/* Scene and rays, from whatever view. */
+/* Compares scene and rays, for any view. */
 static int compare_rays(const entry *a, const entry *b)
 {
     const char *left = key_of(a), *right = key_of(b);
@@ -37,7 +38,7 @@ static int compare_numbers(double a, double b)
     return a < b ? -1 : a > b;
 }
 
-/* Build, kernel and intersector: the cell but for its rays. */
+/* Compares build, kernel and intersector: the cell without its rays. */
 static int compare_cells(const entry *a, const entry *b)
 {
     const char *left = key_of(a), *right = key_of(b);
@@ -47,7 +48,7 @@ static int compare_cells(const entry *a, const entry *b)
                       : strcmp(left + bb_cell_key_rays(left), right + bb_cell_key_rays(right));
 }
 
-/* The very same rays: of one run, with one hash. */
+/* Compares run and hash of the rays. */
 static int compare_hashes(const entry *a, const entry *b)
 {
     const char *left = key_of(a), *right = key_of(b);
@@ -91,7 +92,7 @@ static int by_index(const void *left, const void *right)
     return compare_numbers(((const entry *)left)->index, ((const entry *)right)->index);
 }
 
-/* Sorts by `compare` and gives all entries that `same` finds equal the index of the first one. */
+/* Sorts by `compare`, and gives all entries that `same` finds equal the index of the first. */
 static void group_entries(entry *entries, uint32_t count,
                           int (*compare)(const void *, const void *),
                           int (*same)(const entry *, const entry *))
@@ -102,7 +103,7 @@ static void group_entries(entry *entries, uint32_t count,
                                                                             : entries[i].index;
 }
 
-/* How many entries from `first` on share its group. */
+/* Returns how many entries from `first` on share its group. */
 static uint32_t group_size(const entry *entries, uint32_t count, uint32_t first)
 {
     uint32_t end = first;
@@ -111,7 +112,7 @@ static uint32_t group_size(const entry *entries, uint32_t count, uint32_t first)
     return end - first;
 }
 
-/* What the views share. */
+/* Returns a cell with the members that all views share. */
 static bb_chart_cell first_cell(const entry *from)
 {
     const bb_entry *trace = from->trace, *build = from->build;
@@ -132,15 +133,15 @@ static bb_chart_cell first_cell(const entry *from)
     return cell;
 }
 
-/* Milliseconds for the trace's rays at the rate that the field gives; NAN if it gives none. */
+/* Returns the milliseconds for the trace's rays at the rate in this field; NAN if there is none. */
 static double ms_at(const bb_entry *trace, bb_field_id rate)
 {
     return bb_get_number(trace, BB_F_TRACE_COUNT) / bb_get_number(trace, rate) / 1e3;
 }
 
-/* One cell of `views` entries, which differ in their view alone. The ends of the views' intervals
- * are added up, which is no narrower than an interval of the sum; where one has none, the cell has
- * none. */
+/* Makes one cell of `views` entries that differ only in their view. The ends of the views'
+ * intervals are added up, which is no narrower than an interval of the sum. If one view has no
+ * interval, the cell has none. */
 static bb_chart_cell make_cell(const entry *entries, uint32_t views)
 {
     bb_chart_cell cell = first_cell(entries);
@@ -182,8 +183,8 @@ static void add_cell(bb_chart_set *set, const entry *entries, uint32_t views)
     set->cells[set->cell_count++] = make_cell(entries, views);
 }
 
-/* The cells of all views together; those that lack a view would look faster or slower than they
- * are. `entries` are of one scene and rays; their order changes. */
+/* Adds the cells of all views together. Cells that lack a view are left out, since their sums would
+ * not be comparable. `entries` are of one scene and rays; their order changes. */
 static void add_together(bb_chart_set *set, entry *entries, uint32_t count)
 {
     group_entries(entries, count, by_cell, compare_cells);
@@ -198,7 +199,7 @@ static void add_together(bb_chart_set *set, entry *entries, uint32_t count)
     qsort(entries, count, sizeof *entries, by_index);
 }
 
-/* A new set whose cells follow those of the last one. */
+/* Adds a set whose cells follow those of the last one. */
 static bb_chart_set *add_set(bb_charts *charts, const entry *first, const char *view)
 {
     bb_chart_set *set = &charts->sets[charts->set_count++];
@@ -213,8 +214,8 @@ static bb_chart_set *add_set(bb_charts *charts, const entry *first, const char *
     return set;
 }
 
-/* The sets of one scene and rays. `entries` are in the order of the document; `views` has room for
- * as many. */
+/* Adds the sets of one scene and rays. `entries` are in the order of the document; `views` has room
+ * for as many. */
 static void add_sets(bb_charts *charts, entry *entries, uint32_t count, const char **views)
 {
     bb_chart_set *together = add_set(charts, entries, NULL);
@@ -243,7 +244,7 @@ static int by_id(const void *left, const void *right)
     return compare_numbers(bb_get_number(*a, BB_F_BUILD_ID), bb_get_number(*b, BB_F_BUILD_ID));
 }
 
-/* All builds by id; NULL if there is no memory. */
+/* Returns all builds, indexed by id; NULL without memory. */
 static const bb_entry **sorted_builds(const bb_section *builds, uint32_t *count)
 {
     const bb_entry **sorted = calloc((size_t)bb_section_count(builds) + 1, sizeof *sorted);
@@ -271,7 +272,8 @@ static const bb_entry *find_build(const bb_entry *const *sorted, uint32_t count,
     return low < count && bb_get_number(sorted[low], BB_F_BUILD_ID) == id ? sorted[low] : NULL;
 }
 
-/* The measured traces with their builds, in the order of the document; returns how many. */
+/* Collects the measured traces with their builds, in the order of the document. Returns how many.
+ */
 static uint32_t collect(const bb_section *traces, const bb_entry *const *builds,
                         uint32_t build_count, entry *entries)
 {
@@ -290,7 +292,7 @@ static uint32_t collect(const bb_section *traces, const bb_entry *const *builds,
     return count;
 }
 
-/* Sizes of the whole sets: the largest count among the cells on the very same rays. */
+/* Sets the size of the whole ray set: the largest count among the cells on the same rays. */
 static void size_sets(entry *entries, uint32_t count)
 {
     group_entries(entries, count, by_hash, compare_hashes);

@@ -1,4 +1,4 @@
-/* The Pareto front, and the fastest for how many rays. */
+/* The Pareto front, and the winners by number of rays. */
 #include "framework/chart/chart.h"
 
 #include <math.h>
@@ -8,7 +8,7 @@
 
 uint32_t bb_pareto_front(const bb_chart_point *points, uint32_t count, uint32_t *front)
 {
-    uint32_t found = 0; /* the front of the points so far: cost and gain rise along it */
+    uint32_t found = 0; /* size of the front so far, along which cost and gain rise */
     for (uint32_t i = 0; i < count; i++) {
         const bb_chart_point *p = &points[i];
         uint32_t at = 0;
@@ -41,7 +41,7 @@ uint32_t bb_time_winners(const bb_time_line *lines, uint32_t count, bb_winner *w
     }
     for (;;) {
         winners[found++] = (bb_winner){n, current};
-        /* the next is the one that the current line meets first; of several the flattest */
+        /* the next winner is the line that the current one meets first; of several, the flattest */
         uint32_t next = current;
         double at = INFINITY;
         for (uint32_t i = 0; i < count; i++) {

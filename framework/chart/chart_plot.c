@@ -1,4 +1,4 @@
-/* Series, axes and marks of the pictures, in gnuplot's language. */
+/* Writes series, axes and marks of the pictures in gnuplot's language. */
 #include "framework/chart/chart_plot.h"
 #include "framework/record/record.h"
 
@@ -7,7 +7,7 @@
 
 enum { COLOURS = 12, SHAPES = 6 };
 
-/* Those of the page on white; marks by gnuplot's numbers: circle, triangle, square, diamond,
+/* Colours of the page on white, and gnuplot's numbers of marks: circle, triangle, square, diamond,
  * triangle on its head, pentagon. */
 static const unsigned colours[COLOURS] = {0x0b62b0, 0xb8420f, 0x17734a, 0x8a3a9b,
                                           0x7a5a00, 0x00727a, 0xb0103e, 0x5a5f66,
@@ -78,7 +78,7 @@ int bb_plot_shape(const bb_plot *p, const bb_chart_cell *cell)
 
 /* ---- text ---- */
 
-/* Quotes are doubled; no control characters. */
+/* Doubles quotes and drops control characters. */
 void bb_plot_quoted(FILE *out, const char *text)
 {
     for (; *text != '\0'; text++) {
@@ -128,7 +128,7 @@ void bb_axis_round(bb_chart_axis *a)
     a->high += room;
 }
 
-/* Where along the axis, 0 to 1. */
+/* Returns the position along the axis, from 0 to 1. */
 static double along(const bb_chart_axis *a, double value)
 {
     return a->log ? log10(value / a->low) / log10(a->high / a->low)
@@ -138,7 +138,7 @@ static double along(const bb_chart_axis *a, double value)
 void bb_plot_begin(bb_plot *p, const bb_chart_frame *f)
 {
     FILE *out = p->out;
-    /* the plot itself stays as high whatever the legend takes */
+    /* the legend adds to the height and does not shrink the plot */
     fprintf(out, "\nreset\nset encoding utf8\nheight = %u\nset output '%s_%s.svg'\n",
             560 + 19 * (f->entries + 1), p->stem, f->kind);
     fputs("set terminal svg noenhanced size 960,height dynamic font 'sans-serif,13' background "
@@ -150,7 +150,7 @@ void bb_plot_begin(bb_plot *p, const bb_chart_frame *f)
     if (p->set->cell_count > 0 &&
         strcmp(bb_get_text(p->set->cells[0].trace, BB_F_TRACE_RAYS_SOURCE), "as given") == 0)
         fputs(" (rays as given)", out);
-    /* the line break needs double quotes, which would expand what is in a name */
+    /* only the line break is in double quotes, which would expand names */
     fprintf(out, ": %s'.\"\\n%s", f->title, f->subtitle);
     if (f->left_out > 0)
         fprintf(out, "\\nnot drawn, since not checked or without a result in a view: %u cells",
@@ -209,8 +209,8 @@ void bb_plot_speed(bb_mark *mark, bb_chart_axis *y)
     bb_axis_add(y, mark->y_most);
 }
 
-/* Data: x y, both intervals, colour, mark, length of the arrow that says "at most", the range from
- * its least on by so much, key. */
+/* Writes the data: x y, both intervals, colour, mark, length of the arrow for "at most", least and
+ * length of the range, key. */
 static void print_marks(FILE *out, const bb_mark *marks, uint32_t count)
 {
     fputs("$marks << EOD\n", out);

@@ -1,5 +1,5 @@
-/* What the pictures of the charts share: series with their colours and keys, axes, marks, and their
- * text in gnuplot's language. */
+/* Shared by all pictures: series with colours and keys, axes and marks, written in gnuplot's
+ * language. */
 #ifndef BB_CHART_PLOT_H
 #define BB_CHART_PLOT_H
 
@@ -12,7 +12,8 @@ enum { BB_PLOT_KEY = 16, BB_PLOT_STEM = 160, BB_PLOT_CROSS = 2, BB_PLOT_BLACK = 
 /* ---- series ---- */
 
 typedef bool bb_same_fn(const bb_chart_cell *a, const bb_chart_cell *b);
-bool bb_same_builder(const bb_chart_cell *a, const bb_chart_cell *b); /* of one run */
+bool bb_same_builder(const bb_chart_cell *a,
+                     const bb_chart_cell *b); /* same builder of the same run */
 bool bb_same_kernel(const bb_chart_cell *a, const bb_chart_cell *b);
 bool bb_same_intersector(const bb_chart_cell *a, const bb_chart_cell *b);
 
@@ -20,14 +21,14 @@ bool bb_same_intersector(const bb_chart_cell *a, const bb_chart_cell *b);
  * key in all pictures. */
 typedef struct bb_series {
     bb_same_fn *same;
-    bool references; /* takes references rather than our cells */
+    bool references; /* the series are references, else cells of our kernels */
     uint32_t count;
     const bb_chart_cell **cells;
 } bb_series;
 
-/* `count` if there is none. */
+/* Returns the index of the cell's series; `count` if there is none. */
 uint32_t bb_series_find(const bb_series *list, const bb_chart_cell *cell);
-/* Adds the cell's series unless it is there; `cells` has room. */
+/* Adds the cell's series if it is new; `cells` must have room. */
 void bb_series_add(bb_series *list, const bb_chart_cell *cell);
 
 /* A cell on a chart; NAN: there is no such interval or range. */
@@ -38,7 +39,7 @@ typedef struct bb_mark {
     double y_least, y_most; /* range of too few rounds for an interval; NAN if there is one */
     unsigned colour;
     int shape;
-    bool at_most; /* gets an arrow to the left */
+    bool at_most; /* gets an arrow to the left: the value is an upper bound */
     bool labelled;
     char key[BB_PLOT_KEY];
 } bb_mark;
@@ -49,9 +50,9 @@ typedef struct bb_plot {
     bb_series kernels, builders, intersectors, references;
     bool several_runs;
     const bb_chart_set *set;
-    char stem[BB_PLOT_STEM]; /* file name of the set's pictures, without kind and ending */
+    char stem[BB_PLOT_STEM]; /* file name of the set's pictures, without kind and extension */
     uint32_t pictures;
-    /* room for the cells of a set */
+    /* buffers with room for the cells of a set */
     bb_mark *marks; /* two per cell */
     bb_chart_point *points;
     uint32_t *front;
@@ -67,9 +68,9 @@ void bb_plot_builder_key(const bb_plot *p, const bb_chart_cell *cell, char key[B
 
 /* ---- text ---- */
 
-/* For between single quotes, in which gnuplot expands nothing. */
+/* Writes text for use between single quotes, in which gnuplot expands nothing. */
 void bb_plot_quoted(FILE *out, const char *text);
-/* "12.3 M": three digits and a unit. */
+/* Writes three digits and a unit: "12.3 M". */
 void bb_plot_brief(double value, char text[32]);
 
 /* ---- axes ---- */
@@ -80,50 +81,53 @@ typedef struct bb_chart_axis {
 } bb_chart_axis;
 
 bb_chart_axis bb_axis_make(bool log);
-/* What cannot stand on the axis is left out. */
+/* Extends the axis to the value, unless the axis cannot show it. */
 void bb_axis_add(bb_chart_axis *axis, double value);
-/* Whole decades; or some room on both sides, but none below 0. */
+/* Rounds a logarithmic axis to whole decades. Gives a linear axis some room on both sides, but not
+ * below 0. */
 void bb_axis_round(bb_chart_axis *axis);
 
-/* What stands around a chart; all text is our own. */
+/* Titles and axes of a chart. None of the texts comes from a file. */
 typedef struct bb_chart_frame {
-    const char *kind; /* in the file's name */
+    const char *kind; /* part of the file's name */
     const char *title, *subtitle, *x_title, *y_title;
     bb_chart_axis x, y; /* rounded */
-    uint32_t entries;   /* of the legend, about */
-    uint32_t left_out;  /* cells that are not drawn, which the picture says */
+    uint32_t entries;   /* approximate number of legend entries */
+    uint32_t left_out;  /* number of cells that are not drawn; the picture shows it */
 } bb_chart_frame;
 
-/* Titles, axes, style; the SVG comes first, the PNG with bb_plot_end(). */
+/* Writes titles, axes and style of the SVG. bb_plot_end() repeats the plot as PNG. */
 void bb_plot_begin(bb_plot *p, const bb_chart_frame *frame);
 void bb_plot_end(bb_plot *p, const bb_chart_frame *frame);
 
 /* ---- marks ---- */
 
-/* Filled, or hollow if none of the cell's rays was wrong; by intersector, a cross for
- * references. */
+/* Returns the shape of the cell's intersector: filled, or hollow if none of its rays was wrong.
+ * References are crosses. */
 int bb_plot_shape(const bb_plot *p, const bb_chart_cell *cell);
-/* The cell's speed as the mark's y, and either its interval or its range; both onto the axis. */
+/* Sets the mark's y to the cell's speed, with its interval or else its range, and extends the axis
+ * to them. */
 void bb_plot_speed(bb_mark *mark, bb_chart_axis *y);
-/* Gives keys to as many marks as have room for theirs, the first ones first. */
+/* Labels as many marks as there is room for, in their order. */
 void bb_plot_place_keys(bb_mark *marks, uint32_t count, const bb_chart_axis *x,
                         const bb_chart_axis *y);
-/* Data block $marks, and the plot of it; legend entries may follow. */
+/* Writes the data block $marks and the plot command for it; legend entries may follow. */
 void bb_plot_marks(FILE *out, const bb_mark *marks, uint32_t count, bool front);
-/* The series of `list` that have one of p's first `marks` marks; references have a cross. Where
- * marks do not have the series' colours, the key alone stands for it. */
+/* Writes legend entries for the series of `list` that one of p's first `marks` marks belongs to.
+ * References have a cross. Unless `coloured`, an entry shows only the key. */
 void bb_plot_legend_series(const bb_plot *p, const bb_series *list, uint32_t marks, bool coloured);
-/* What the upright lines of p's first `marks` marks are: intervals or ranges. */
+/* Writes the legend entry for the vertical lines of p's first `marks` marks: intervals or ranges.
+ */
 void bb_plot_legend_spread(const bb_plot *p, uint32_t marks);
-/* What the shapes mean: each intersector. */
+/* Writes the legend entries of the shapes, one for each intersector. */
 void bb_plot_legend_shapes(const bb_plot *p);
 
 /* ---- the pictures ---- */
 
-enum { BB_DRAWINGS_MAX = 2 }; /* of a file */
+enum { BB_DRAWINGS_MAX = 2 }; /* most pictures of one file */
 
-/* What a file draw_NAME.c, which CMake finds, draws of p->set: nothing where there is nothing to
- * draw. */
+/* The pictures that a file draw_NAME.c, which CMake finds, draws of p->set. A function draws
+ * nothing if there is nothing to show. */
 typedef struct bb_drawing {
     void (*draw[BB_DRAWINGS_MAX])(bb_plot *p); /* NULL for none */
 } bb_drawing;

@@ -1,7 +1,7 @@
-/* The script of the pictures: which there are, under which names.
+/* The script that draws all pictures, and the names of their files.
  *
- * All figures stand in the script by value. What comes from the records as text stands between
- * single quotes, in which gnuplot expands nothing.
+ * The script contains all figures. Texts from the records stand between single quotes, in which
+ * gnuplot expands nothing.
  */
 #include "framework/chart/chart_script.h"
 #include "framework/chart/chart_plot.h"
@@ -12,7 +12,8 @@
 
 typedef char stem[BB_PLOT_STEM];
 
-/* Letters, digits and '.' of the scene and the rays; numbered where that is not unique. */
+/* Makes a file name from the letters, digits and '.' of scene and rays, with a number if it is not
+ * unique. */
 static void name_pictures(bb_plot *p, stem *stems, uint32_t *count)
 {
     char base[BB_PLOT_STEM - 16];
@@ -27,7 +28,7 @@ static void name_pictures(bb_plot *p, stem *stems, uint32_t *count)
         if (strcmp(stems[k], p->stem) != 0)
             continue;
         snprintf(p->stem, sizeof p->stem, "%s-%u", base, number++);
-        k = UINT32_MAX; /* look again from the first on */
+        k = UINT32_MAX; /* compare with all names again */
     }
     memcpy(stems[(*count)++], p->stem, sizeof(stem));
 }

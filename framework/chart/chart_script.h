@@ -1,4 +1,4 @@
-/* The charts as a script for gnuplot (5.0 or later), which draws each as SVG and as PNG. */
+/* Writes the charts as a script for gnuplot (5.0 or later), which draws each as SVG and PNG. */
 #ifndef BB_CHART_SCRIPT_H
 #define BB_CHART_SCRIPT_H
 
@@ -6,10 +6,11 @@
 
 #include <stdio.h>
 
-/* Of each scene and rays, all views together: speed against wrong answers of the kernels, time
- * against wrong answers of the builders, time to n rays, speed against SAH, and against EPO where
- * it was measured. `pictures` gets their number. The script writes NAME.svg and NAME.png into the
- * folder where gnuplot runs. Names from the records stand in it as quoted text alone. */
+/* Writes the script. For each scene and rays, over all views, there are pictures of kernels' speed
+ * against wrong answers, of builders' time against wrong answers, of time to n rays, and of speed
+ * against SAH and other measured metrics of trees. `pictures` gets their number. The script writes
+ * NAME.svg and NAME.png into gnuplot's current folder. Names from the records occur in it only as
+ * quoted text. */
 bb_status bb_charts_script(const bb_charts *charts, FILE *out, uint32_t *pictures);
 
 #endif

@@ -1,4 +1,4 @@
-/* Pictures of speed against each metric of trees: does it predict trace speed? */
+/* Pictures of speed against each metric of trees, to show whether it predicts trace speed. */
 #include "framework/chart/chart_plot.h"
 
 #include <math.h>

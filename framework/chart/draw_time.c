@@ -1,12 +1,12 @@
-/* Picture of the time to n rays: which builder wins for how many. */
+/* Picture of the time to n rays, to show which builder wins for how many rays. */
 #include "framework/chart/chart_plot.h"
 
 #include <math.h>
 
 enum { SAMPLES = 200 };
 
-/* The cells of one builder (NULL: of all that are not references) whose answers are within the
- * limit and whose times are known, with their lines. */
+/* Collects the cells of one builder (NULL: of all but references) that are within the limit of
+ * wrong answers and whose times are known, with their lines. */
 static uint32_t lines_of(bb_plot *p, const bb_chart_cell *builder)
 {
     uint32_t count = 0;
@@ -31,7 +31,8 @@ static double envelope_ms(const bb_plot *p, uint32_t lines, double n)
     return best;
 }
 
-/* Data block $tN: the time of a builder over n; its key at both ends into `keys`. */
+/* Writes the data block $tN, the time of a builder over n, and puts the builder's key at both ends
+ * into `keys`. */
 static void print_curve(bb_plot *p, const bb_chart_cell *builder, uint32_t block,
                         const bb_chart_axis *n, bb_mark keys[2])
 {
@@ -49,7 +50,7 @@ static void print_curve(bb_plot *p, const bb_chart_cell *builder, uint32_t block
     }
 }
 
-/* Where another builder overtakes: data block $cross of n, ms, label. */
+/* Writes the data block $cross of n, ms, label: the points where another builder overtakes. */
 static uint32_t print_crossings(bb_plot *p, uint32_t lines, uint32_t winners)
 {
     uint32_t count = 0;
@@ -69,8 +70,7 @@ static uint32_t print_crossings(bb_plot *p, uint32_t lines, uint32_t winners)
     return count;
 }
 
-/* From the first ray, which waits for what comes before it, to 10^9 rays, and well beyond the last
- * crossing. */
+/* Sets the axes: n from 1 to 10^9 rays, and well beyond the last crossing. */
 static void time_axes(const bb_plot *p, uint32_t lines, uint32_t winners, bb_chart_axis *n,
                       bb_chart_axis *ms)
 {
@@ -86,7 +86,7 @@ static void time_axes(const bb_plot *p, uint32_t lines, uint32_t winners, bb_cha
     bb_axis_round(ms);
 }
 
-/* Data block $keys: the labels at the ends of the curves. */
+/* Writes the data block $keys, the labels at the ends of the curves. */
 static void print_keys(FILE *out, const bb_mark *marks, uint32_t count)
 {
     fputs("$keys << EOD\n", out);
@@ -96,7 +96,7 @@ static void print_keys(FILE *out, const bb_mark *marks, uint32_t count)
     fputs("EOD\n", out);
 }
 
-/* Our builders, then the references. */
+/* Returns builder i: first our builders, then the references. */
 static const bb_chart_cell *builder_at(const bb_plot *p, uint32_t i)
 {
     return i < p->builders.count ? p->builders.cells[i]

@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-/* Milliseconds for build, layout and all rays of the set. */
+/* Returns the milliseconds for build, layout and all rays of the set. */
 static double total_ms(const bb_chart_cell *cell)
 {
     return cell->fixed_ms + cell->ms * cell->rays / cell->count;
@@ -34,9 +34,9 @@ static bool same_cell(const bb_chart_cell *a, const bb_chart_cell *b)
     return a == b;
 }
 
-/* Of the cells that `same` finds equal the one with the largest `gain`, into p->cells: references
- * last, each on its own. Cells that were not checked, or whose gain is unknown, stay out and are
- * counted. */
+/* Picks, from each group of cells that `same` finds equal, the one with the largest `gain` into
+ * p->cells. References come last, each on its own. Cells that were not checked, or have no gain,
+ * are left out and counted. */
 static uint32_t pick(bb_plot *p, bb_same_fn *same, double (*gain)(const bb_chart_cell *),
                      uint32_t *left_out)
 {
@@ -63,8 +63,8 @@ static uint32_t pick(bb_plot *p, bb_same_fn *same, double (*gain)(const bb_chart
     return count;
 }
 
-/* Data block $front: stairs through the picked cells that none beats. `worst` is the end of the
- * axis of y at which the stairs begin. */
+/* Writes the data block $front: stairs along the Pareto front of the picked cells. They begin at
+ * `worst`, an end of the y axis. */
 static bool print_front(bb_plot *p, uint32_t count, double (*gain)(const bb_chart_cell *),
                         const bb_chart_axis *x, double worst)
 {
@@ -80,7 +80,7 @@ static bool print_front(bb_plot *p, uint32_t count, double (*gain)(const bb_char
     double at = 0, y = worst;
     fputs("$front << EOD\n", out);
     for (uint32_t i = 0; i < found; i++) {
-        /* by the upper bound 0 of n beats 1 of n, whose mark stands further left */
+        /* by upper bounds, 0 of n beats 1 of n, whose mark is further left */
         at = fmax(at, p->cells[p->front[i]]->wrong.ppm);
         fprintf(out, "%.9g %.9g\n", at, y);
         y = fabs(gain(p->cells[p->front[i]]));
@@ -107,7 +107,7 @@ static const char wrong_title[] =
     "wrong rays per million (log; lines across: 95 %; hollow with arrow: none found of n, at "
     "most 3/n)";
 
-/* The marks of one builder or kernel have its colour; their axis of x. */
+/* Colours the marks by builder or kernel, and sets the x axis. */
 static void finish_marks(bb_plot *p, uint32_t count, bb_series *series, bb_chart_axis *x)
 {
     *x = bb_axis_make(true);
@@ -127,8 +127,8 @@ static void finish_marks(bb_plot *p, uint32_t count, bb_series *series, bb_chart
     bb_axis_round(x);
 }
 
-/* The frame, the front by `gain` from the end `worst` of the axis of y, marks, and the legend, to
- * which entries may be added. */
+/* Draws the frame, the front by `gain` from the end `worst` of the y axis, marks, and the legend,
+ * to which entries may be added. */
 static void draw_marks(bb_plot *p, bb_chart_frame *f, uint32_t count, bb_series *series,
                        double (*gain)(const bb_chart_cell *), double worst)
 {

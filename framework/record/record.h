@@ -39,7 +39,7 @@ typedef struct bb_build_record {
     bb_samples build_ms; /* warm builds */
     bb_samples event_ms; /* of these builds, the sum of the kernels' times by the device's clock */
     bb_samples cpu_ms;
-    bb_samples restore_ms; /* restoring of the builder's input before each build, not timed */
+    bb_samples restore_ms; /* restoring of the builder's input before each build; no part of it */
     bb_samples outside_ms; /* time of phases outside the clock */
     double prepare_ms;     /* preparation before the first build; NAN: not measured */
     double boxes_ms;       /* making of the boxes, if the builder reads them; NAN: not measured */

@@ -1,5 +1,5 @@
-/* Intersectors beside each other: how often each is wrong, and what its speed gains, on the same
- * rays, trees and kernels. */
+/* Compares intersectors on the same rays, trees and kernels: how often each is wrong, and how fast
+ * it is. */
 #include "framework/summary/summary_private.h"
 
 #include <stdlib.h>
@@ -45,7 +45,7 @@ static judged read(const bb_entry *trace)
     };
 }
 
-/* They differ in the intersector at most. */
+/* Returns whether both differ at most in the intersector. */
 static bool beside(const judged *a, const judged *b)
 {
     return a->build == b->build && strcmp(a->hash, b->hash) == 0 && strcmp(a->rays, b->rays) == 0 &&
@@ -66,7 +66,7 @@ static bb_summary_accuracy *entry_of(bb_summary *s, const char *intersector)
     return &grown[s->accuracy_count++];
 }
 
-/* The cell beside `of` with this intersector; NULL if there is none. */
+/* Returns the cell beside `of` with this intersector; NULL if there is none. */
 static const judged *cell_with(const cells *all, const judged *of, const char *intersector)
 {
     for (uint32_t i = 0; i < all->count; i++)
@@ -75,7 +75,8 @@ static const judged *cell_with(const cells *all, const judged *of, const char *i
     return NULL;
 }
 
-/* Adds the cells beside `exact`, if every intersector has one: all are summed over the same. */
+/* Adds the cells beside `exact` if every intersector has one, so that all sums cover the same rays.
+ */
 static void add_together(const cells *all, const judged *exact, bb_summary *s)
 {
     for (uint32_t i = 0; i < s->accuracy_count; i++)
@@ -101,7 +102,7 @@ static int by_wrong(const void *a, const void *b)
     return strcmp(x->intersector, y->intersector);
 }
 
-/* The intersectors of the cells, each once. */
+/* Lists the intersectors of the cells, each once. */
 static bb_status list_intersectors(const cells *all, bb_summary *s)
 {
     for (uint32_t i = 0; i < all->count; i++)
@@ -130,7 +131,7 @@ bb_status bb_summary_accuracies(const bb_results *results, const bb_summary_choi
     if (status != BB_OK)
         return status;
     if (summary->accuracy_count > 0 && summary->accuracy[0].cells == 0)
-        summary->accuracy_count = 0; /* nothing is beside anything */
+        summary->accuracy_count = 0; /* no intersectors have common cells */
     for (uint32_t i = 0; i < summary->accuracy_count; i++)
         summary->accuracy[i].speed = exp(summary->accuracy[i].speed / summary->accuracy[i].cells);
     if (summary->accuracy_count > 1)

@@ -1,11 +1,11 @@
-/* Whether other programs took the machine's time while it measured. */
+/* Warns if other programs used the machine during the measurements. */
 #include "framework/summary/summary.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-/* Above this share of all threads, times are taken to be disturbed. */
+/* Times count as disturbed if other programs kept more than this share of all threads busy. */
 static const double quiet_share = 0.1;
 
 bool bb_summary_busy(const bb_results *results, char text[256])

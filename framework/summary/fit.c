@@ -3,9 +3,9 @@
 #include <math.h>
 #include <stdbool.h>
 
-/* Sums over the cells of what their logarithms deviate from their group's mean. */
+/* Sums over cells, of the deviations of logarithms from the mean of their group. */
 typedef struct sums {
-    double predicted, measured, both; /* squares, and the product */
+    double predicted, measured, both; /* sums of squares, and of products */
     uint32_t cells, groups;
 } sums;
 
@@ -39,7 +39,7 @@ static uint32_t group_size(const bb_fit_cell *cells, uint32_t count)
     return size;
 }
 
-/* Of the groups in the fold `only`, or in all but `without`. */
+/* Adds up the groups of fold `only`, or all but those of fold `without`. */
 static sums add_up(const bb_fit_cell *cells, uint32_t count, double alpha, uint32_t only,
                    uint32_t without)
 {
@@ -54,7 +54,8 @@ static sums add_up(const bb_fit_cell *cells, uint32_t count, double alpha, uint3
     return s;
 }
 
-/* Rounding may leave less than nothing of a prediction that is exact; NAN stays. */
+/* Returns the sum of squared errors. Rounding may make it negative if the prediction is exact: then
+ * 0. NAN stays NAN. */
 static double squares(const sums *s)
 {
     double sum = s->predicted - 2 * s->both + s->measured;
@@ -96,7 +97,7 @@ double bb_fit_alpha(const bb_fit_cell *cells, uint32_t count, uint32_t without)
     }
     if (!(most - least > 1e-9 * most))
         return NAN;
-    /* golden section, within the steps around the best one */
+    /* golden-section search within the steps around the best one */
     double low = fmax(0, best - 1.0 / STEPS), high = fmin(1, best + 1.0 / STEPS);
     for (int i = 0; i < NARROWINGS; i++) {
         double left = high - golden * (high - low), right = low + golden * (high - low);
@@ -121,7 +122,7 @@ bb_fit_spread bb_fit_folds(const bb_fit_cell *cells, uint32_t count, uint32_t fo
         spread.least = alpha < spread.least ? alpha : spread.least;
         spread.most = alpha > spread.most ? alpha : spread.most;
         if (isnan(alpha))
-            folds = 0; /* fmin() and fmax() would drop it */
+            folds = 0; /* fmin() and fmax() would ignore the NAN */
     }
     if (folds < 3)
         return (bb_fit_spread){NAN, NAN, NAN};

@@ -1,4 +1,4 @@
-/* Summaries for the page: of everything, and of each choice of a scene and of rays. */
+/* Summaries for the page, of the whole document and of each choice of a scene and of rays. */
 #include "framework/base/json.h"
 #include "framework/summary/prediction.h"
 #include "framework/summary/summary_private.h"
@@ -106,7 +106,7 @@ static bb_status put_choice(bb_json *json, const bb_numbers *n, const bb_summary
     return BB_OK;
 }
 
-/* Names of rays, each once. */
+/* Returns the name of the set's rays; NULL if an earlier set has it. */
 static const char *rays_name(const bb_numbers *n, uint32_t set)
 {
     for (uint32_t i = 0; i < set; i++)
@@ -127,8 +127,8 @@ static bb_status put_choices(bb_json *json, const bb_numbers *n)
     return BB_OK;
 }
 
-/* Puts [trace, time, SAH, EPO, mix, work] of each cell, grouped by kind of rays. The document has
- * the fitted figures. */
+/* Puts [trace, time, SAH, EPO, mix, work] of each cell, grouped by kind of rays. The fitted figures
+ * are in the document. */
 static bb_status put_predictions(bb_json *json, const bb_results *results)
 {
     bb_predictions made;

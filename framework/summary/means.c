@@ -14,8 +14,8 @@ const bb_built *bb_built_of(const bb_summary_view *v, uint32_t e, uint32_t scene
     return &v->n->builds[(size_t)e * v->n->scene_count + scene];
 }
 
-/* Build and layout, in ms; NAN if one is not known. What lies outside the rounds, a layout among
- * them, adds its median to each. */
+/* Returns the time of build and layout in ms; NAN if one is not known. *all gets the same for each
+ * round, with the medians of what was not timed in rounds, such as the layout. */
 static double ready_ms(const bb_summary_view *v, const bb_candidate *c, bb_samples *all)
 {
     const bb_built *b = bb_built_of(v, c->entrant, c->scene);
@@ -29,7 +29,7 @@ static double ready_ms(const bb_summary_view *v, const bb_candidate *c, bb_sampl
     return b->fixed_ms + c->layout_ms;
 }
 
-/* a + factor * b, round by round; empty if the rounds do not match. */
+/* Returns a + factor * b for each round; empty if the numbers of rounds differ. */
 static bb_samples sum(const bb_samples *a, double factor, const bb_samples *b)
 {
     bb_samples all = {0};
@@ -59,7 +59,7 @@ const bb_candidate *bb_fastest(const bb_summary_view *v, uint32_t e, uint32_t se
     return best;
 }
 
-/* Of this run: another one had another machine, or another hour of it. */
+/* Returns the fastest reference of the same run: another run may be of another machine or time. */
 static const bb_candidate *fastest_reference(const bb_summary_view *v, uint32_t set, double run)
 {
     const bb_candidate *best = NULL;
@@ -73,7 +73,7 @@ static const bb_candidate *fastest_reference(const bb_summary_view *v, uint32_t 
     return best;
 }
 
-/* A candidate of the kernel that is the builder's fastest most often. */
+/* Returns a candidate of the kernel that is most often the builder's fastest. */
 static const bb_candidate *favourite(const bb_summary_view *v, uint32_t e, uint32_t scene)
 {
     for (uint32_t i = 0; i < v->n->candidate_count; i++) {
@@ -91,7 +91,7 @@ static bool per_scene(const bb_measure *m)
            m->quantity == BB_OF_QUALITY || m->quantity == BB_OF_OVERLAP;
 }
 
-/* Of an entrant on a scene or a ray set. */
+/* Returns the cost of an entrant on a scene. */
 static cost cost_on_scene(const bb_summary_view *v, uint32_t e, uint32_t scene, const bb_measure *m)
 {
     const bb_built *b = bb_built_of(v, e, scene);
@@ -152,7 +152,8 @@ static uint32_t unit_count(const bb_summary_view *v, const bb_measure *m)
     return per_scene(m) ? v->n->scene_count : v->n->set_count;
 }
 
-/* `run`: that of the fastest reference. */
+/* Returns the cost of an entrant on a unit, a scene or a ray set. `run`: whose fastest
+ * reference is meant. */
 static cost cost_of(const bb_summary_view *v, uint32_t e, uint32_t unit, const bb_measure *m,
                     double run)
 {
@@ -168,7 +169,7 @@ bb_mean bb_mean_ratio(const bb_summary_view *v, uint32_t a, uint32_t b, const bb
 {
     bb_mean result = {.value = 0, .rounds = bb_not_measured};
     bb_samples logs = {0};
-    /* rounds of two runs were not next to each other */
+    /* rounds of different runs cannot be paired */
     bool rounds = a == BB_FASTEST_REFERENCE || b == BB_NOBODY ||
                   v->n->entrants[a].run == v->n->entrants[b].run;
     const double run = v->n->entrants[a == BB_FASTEST_REFERENCE ? b : a].run;

@@ -1,4 +1,4 @@
-/* The numbers of a document, read once: who took part, on which rays, how long it took. */
+/* Reads the numbers of a document once: entrants, ray sets and times. */
 #include "framework/summary/prediction.h"
 #include "framework/summary/summary_private.h"
 
@@ -52,8 +52,8 @@ static double or_zero(double value)
     return isfinite(value) ? value : 0;
 }
 
-/* What a build does not need costs nothing: a reference makes its boxes inside its build, and is on
- * the host already. */
+/* Reads a build. Times of steps that it does not need count as 0: a reference makes its boxes
+ * inside its build and needs no transfer. */
 static void read_build(const bb_results *results, const bb_entry *build, bb_built *b)
 {
     const bb_entry *scene = bb_results_scene(results, bb_get_text(build, BB_F_BUILD_SCENE));
@@ -75,7 +75,7 @@ static void read_build(const bb_results *results, const bb_entry *build, bb_buil
     b->peak = isfinite(native) ? native : bb_get_number(build, BB_F_TREE_BYTES_PEAK);
 }
 
-/* Answers of ours must be right; references are as they are. */
+/* Returns whether a trace may rank: the answers must be right, unless it is a reference. */
 static bool may_rank(const bb_entry *trace)
 {
     double rate = bb_get_number(trace, BB_F_TRACE_RATE);
@@ -164,7 +164,8 @@ static int by_entrant_and_set(const void *a, const void *b)
     return (x->set > y->set) - (x->set < y->set);
 }
 
-/* Candidates of entrant e and set s are those from starts[e * set_count + s] to the next start. */
+/* Sorts the candidates. Those of entrant e and set s are from starts[e * set_count + s] to the next
+ * start. */
 static bb_status sort_candidates(bb_numbers *n)
 {
     size_t cells = (size_t)n->entrant_count * n->set_count;

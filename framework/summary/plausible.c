@@ -1,9 +1,8 @@
-/* Whether a tree costs far more than a builder that looks at costs would leave: on a scene that is
- * not made to defeat it, no builder by Morton codes comes near three times the sweep's SAH. What
- * does is a bug in the tree or in the metric, or such a scene.
+/* Warns if a tree costs far more than one by a builder that looks at costs. On ordinary scenes, no
+ * builder by Morton codes comes near three times the sweep's SAH. If one does, the tree or the
+ * metric has a bug, or the scene is made to defeat it.
  *
- * Any builder's tree is held to it: what it builds by is its own affair. A tree of one leaf, which
- * claims nothing, is not.
+ * The trees of all builders are checked, however they are built, except trees of one leaf.
  */
 #include "framework/builder/registry.h"
 #include "framework/summary/summary.h"
@@ -22,7 +21,7 @@ static double sah_of(const bb_entry *build)
     return tree ? bb_get_metric(build, bb_metrics[bb_metric_of_layouts()]) : (double)NAN;
 }
 
-/* Whether the build has the parameters of the specification; others may be anything. */
+/* Returns whether the build has the parameters of the specification. Others do not matter. */
 static bool has_params(const bb_entry *build, const bb_spec *spec)
 {
     for (uint32_t i = 0; i < spec->param_count; i++)
@@ -32,9 +31,9 @@ static bool has_params(const bb_entry *build, const bb_spec *spec)
     return true;
 }
 
-/* How near a builder comes to the one that costs are held to (BB_ROLE_COST_REFERENCE): 2 for
- * that variant itself, 1 for others of its builder, 0 for all other builders, of which the cheapest
- * tree has to do. */
+/* Returns how near a builder is to the reference of costs (BB_ROLE_COST_REFERENCE): 2 for this
+ * variant itself, 1 for other variants of its builder, 0 for other builders, whose cheapest tree is
+ * taken if there is nothing nearer. */
 static int nearness(const bb_entry *build)
 {
     bb_spec stages[BB_STAGES_MAX], reference;
@@ -52,8 +51,8 @@ static int nearness(const bb_entry *build)
     return parsed && has_params(build, &reference) ? 2 : 1;
 }
 
-/* What trees of the scene of `like` are held to; NULL if there is none. Runs of a merged document
- * have the same scenes. */
+/* Returns the build with which trees of the scene of `like` are compared; NULL if there is none.
+ * Runs of a merged document have the same scenes. */
 static const bb_entry *yardstick(const bb_section *builds, const bb_entry *like)
 {
     const bb_entry *best = NULL;

@@ -1,4 +1,4 @@
-/* Cells of a document as those of a fit, by kind of rays. */
+/* Makes the cells of fits from those of a document, by kind of rays. */
 #include "framework/summary/prediction.h"
 
 #include <math.h>
@@ -37,8 +37,8 @@ static bool enters(const bb_entry *trace, const bb_entry *build)
            bb_get_number(build, BB_F_TREE_NODES) > 1;
 }
 
-/* Those that have all figures; of EPO, where no tree of the document has any, SAH stands in, and
- * *has_overlap is false. */
+/* Collects the cells that have all figures. If no tree of the document has an EPO, SAH takes its
+ * place and *has_overlap is false. */
 static uint32_t collect(const bb_results *results, cell *cells, bool *has_overlap)
 {
     const bb_metric *sah = bb_metrics[bb_metric_of_layouts()];
@@ -78,7 +78,7 @@ static int order_of(double a, double b)
     return (a > b) - (a < b);
 }
 
-/* What traces it: the key after the builder. No name has a '/' in it there. */
+/* Returns what traces the cell: its key after the builder, where no name contains a '/'. */
 static const char *tracer_of(const cell *c)
 {
     const char *kernel = strstr(c->key, "/kernel=");
@@ -112,8 +112,8 @@ static int compare_cells(const void *left, const void *right)
     return order != 0 ? order : (a->trace > b->trace) - (a->trace < b->trace);
 }
 
-/* Kinds are numbered in the order of the document. Cells that are alone in their group say nothing:
- * they are taken out. Returns how many are left, sorted by kind and group. */
+/* Numbers the kinds in the order of the document, and removes cells that are alone in their group,
+ * which tell nothing. Returns how many are left, sorted by kind and group. */
 static uint32_t group_cells(cell *cells, uint32_t count)
 {
     uint32_t kinds = 0, kept = 0, groups = 0;
@@ -143,7 +143,7 @@ static int by_build(const void *left, const void *right)
     return order_of(a->build, b->build);
 }
 
-/* Scenes become folds; cells are sorted by them. */
+/* Makes each scene a fold, and counts parts; cells are sorted by scene. */
 static void count_parts(cell *cells, uint32_t count, bb_prediction_record *record, cell *scratch)
 {
     record->cells = count;
@@ -161,7 +161,7 @@ static void count_parts(cell *cells, uint32_t count, bb_prediction_record *recor
 
 /* ---- fits ---- */
 
-/* A cell's figures as the fit takes them; of the work, which is one measure alone, as both. */
+/* Makes cells for a fit. For the work, which is a single measure, both costs are the work. */
 static void as_fit(const cell *cells, uint32_t count, bool of_work, bb_fit_cell *fit)
 {
     for (uint32_t i = 0; i < count; i++)
@@ -175,7 +175,7 @@ static double centred(double value, double sum_of_logs, uint32_t count)
     return exp(log(value) - sum_of_logs / count);
 }
 
-/* Points of one group. */
+/* Sets the points of one group. */
 static void place_group(const cell *cells, uint32_t count, double alpha, bb_prediction_point *p)
 {
     double time = 0, sah = 0, overlap = 0, mix = 0, work = 0;

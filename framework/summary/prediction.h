@@ -1,11 +1,11 @@
-/* Does a measure of trees predict what rays take? Per kind of rays, over all cells of a document
- * whose answers are right, whose intersector is `exact` and whose tree is more than a leaf: SAH
- * alone, EPO alone, (1 - alpha) SAH + alpha EPO with the best alpha (fit.h), and the counted work
- * of the very rays.
+/* How well measures of trees predict the time of rays: SAH, EPO, (1 - alpha) SAH + alpha EPO with
+ * the best alpha (fit.h), and the counted work of the same rays. Each kind of rays is fitted by
+ * itself, over all cells with right answers, the intersector `exact` and a tree of more than one
+ * leaf.
  *
- * A group, which has one factor, is the cells of one kernel on one ray set of one run. SAH and EPO
- * are those of the tree as built; EPO is the metric that is `mixed`, the better one where it has
- * two.
+ * A group of the fit has the cells of one kernel on one ray set of one run. SAH and EPO are those
+ * of the tree as built. EPO is the metric that is declared `mixed`, and its better estimate if
+ * there are two.
  */
 #ifndef BB_PREDICTION_H
 #define BB_PREDICTION_H
@@ -13,10 +13,10 @@
 #include "framework/record/record.h"
 #include "framework/summary/fit.h"
 
-/* So many trees more than scenes make a fit. */
+/* A fit needs at least so many trees more than scenes. */
 enum { BB_PREDICTION_TREES = 5 };
 
-/* A cell by the geometric mean of its group. */
+/* The figures of a cell, each divided by the geometric mean of its group. */
 typedef struct bb_prediction_point {
     uint32_t trace; /* index in the document */
     double time, sah, overlap, mix, work;
@@ -24,23 +24,23 @@ typedef struct bb_prediction_point {
 
 typedef struct bb_prediction {
     bb_prediction_record record;
-    const char *rays; /* the document's */
+    const char *rays; /* the text is the document's */
     bb_prediction_point *points;
 } bb_prediction;
 
 typedef struct bb_predictions {
-    bb_prediction *kinds; /* in the order of the document; those with too few trees are left out */
+    bb_prediction *kinds; /* in the order of the document, without those that have too few trees */
     uint32_t count;
 } bb_predictions;
 
-/* EPO of a build's tree: the better estimate where there are two; NAN. */
+/* Returns the EPO of a build's tree, by the better estimate if there are two; NAN: not measured. */
 double bb_prediction_overlap(const bb_entry *build);
 
 /* BB_FAILED without memory. */
 bb_status bb_predictions_make(const bb_results *results, bb_predictions *out);
 void bb_predictions_free(bb_predictions *predictions);
 
-/* Puts them into the document, in place of those of an earlier state of it. */
+/* Makes the predictions anew and puts them into the document in place of earlier ones. */
 bb_status bb_predictions_record(bb_results *results);
 
 #endif

@@ -1,5 +1,5 @@
-/* Rows and their order: geometric means of ratios over scenes and ray sets, and what this run can
- * tell apart. */
+/* Makes the rows of a summary and their order: geometric means of ratios over scenes and ray sets,
+ * and ties. */
 #include "framework/summary/summary_private.h"
 
 #include <stdio.h>
@@ -21,7 +21,8 @@ bool bb_choice_takes(const bb_summary_choice *choice, const char *scene, const c
 
 /* ---- rows ---- */
 
-/* The row's cost by the best builder's, and whether it is that, or tied with it. */
+/* Returns the row's cost divided by the best builder's, and whether the row is the best or tied
+ * with it. */
 static bb_standing stand(const bb_summary_view *v, uint32_t e, uint32_t best, const bb_measure *m)
 {
     bb_standing s = {NAN, NAN, NAN, false, false};
@@ -36,7 +37,7 @@ static bb_standing stand(const bb_summary_view *v, uint32_t e, uint32_t best, co
     return s;
 }
 
-/* The same as a speed of its own, in millions per second, of costs in ms. */
+/* Returns the same as a speed in millions per second, from costs in ms. */
 static bb_standing stand_as_rate(const bb_summary_view *v, uint32_t e, uint32_t best,
                                  const bb_measure *m)
 {
@@ -46,8 +47,7 @@ static bb_standing stand_as_rate(const bb_summary_view *v, uint32_t e, uint32_t 
     return s;
 }
 
-/* "name:key=value,key=value" shorter, so that a table has room: without its keys; cut, if need
- * be. */
+/* Shortens "name:key=value,key=value" for tables: drops the keys, and cuts the rest if need be. */
 static void shorten(const char *text, double run, char name[BB_SUMMARY_NAME])
 {
     enum { ROOM = 27 };
@@ -76,7 +76,7 @@ static void shorten(const char *text, double run, char name[BB_SUMMARY_NAME])
         snprintf(name, BB_SUMMARY_NAME, "%s%s", whole, number);
         return;
     }
-    int end = size - 8; /* of what is left out; no letter of several bytes is cut */
+    int end = size - 8; /* where the omission ends; no UTF-8 character is cut */
     while (start > 0 && ((unsigned char)whole[start] & 0xC0) == 0x80)
         start--;
     while (((unsigned char)whole[end] & 0xC0) == 0x80)
@@ -84,7 +84,7 @@ static void shorten(const char *text, double run, char name[BB_SUMMARY_NAME])
     snprintf(name, BB_SUMMARY_NAME, "%.*s..%s%s", start, whole, whole + end, number);
 }
 
-/* The kernel that is this entrant's fastest on most ray sets. */
+/* Returns the kernel that is this entrant's fastest on most ray sets. */
 static const char *find_favourite(const bb_summary_view *v, uint32_t e)
 {
     const char *best = NULL;
@@ -112,11 +112,11 @@ static void add_peak(const bb_summary_view *v, uint32_t e, bb_summary_row *row)
             row->peak = fmax(row->peak, bb_built_of(v, e, s)->peak);
 }
 
-/* Best builders of each column. */
+/* The best builder of each column. */
 typedef struct best {
     uint32_t build, ready, quality, overlap, work, image[BB_SUMMARY_COUNTS],
         curve[BB_SUMMARY_CURVE];
-    uint32_t base; /* of traces: a builder or BB_FASTEST_REFERENCE */
+    uint32_t base; /* what traces are divided by: a builder or BB_FASTEST_REFERENCE */
 } best;
 
 static void fill_row(const bb_summary_view *v, uint32_t e, const best *of, bb_summary_row *row)
@@ -157,7 +157,7 @@ static void fill_row(const bb_summary_view *v, uint32_t e, const best *of, bb_su
     add_peak(v, e, row);
 }
 
-/* References last; what is partial, or has no figure, after what has all. */
+/* Sorts by merit: references last, rows that are partial or lack figures after complete ones. */
 static int by_merit(const void *a, const void *b)
 {
     const bb_summary_row *x = a, *y = b;
@@ -185,7 +185,7 @@ static uint32_t entrant_of(const bb_summary_view *v, const bb_summary_row *row)
     return BB_NOBODY;
 }
 
-/* Builders that this run can't tell from the first of their group, which is the fastest of it. */
+/* Groups builders that this run cannot tell from the first, fastest one of their group. */
 static void group_rows(const bb_summary_view *v, bb_summary *s)
 {
     const bb_measure trace = {BB_OF_TRACE, 0};
@@ -259,7 +259,7 @@ static int by_value(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Median and worst tenth of the intervals, and the fewest rounds. */
+/* Sets median and worst tenth of the intervals' widths, and the fewest rounds. */
 static bb_status find_noise(const bb_summary_view *v, bb_summary *s)
 {
     double *widths = calloc(v->n->candidate_count + 1, sizeof *widths);
@@ -290,8 +290,8 @@ static bb_status find_noise(const bb_summary_view *v, bb_summary *s)
 
 /* ---- a summary ---- */
 
-/* Ray sets of the choice that at least half of its builders traced, and scenes likewise; who takes
- * part. */
+/* Chooses the ray sets that at least half of the builders traced, scenes likewise, and the entrants
+ * that take part. */
 static void choose_sets(bb_summary_view *v, const bb_summary_choice *choice, bool *enters,
                         bb_summary *s)
 {
@@ -326,7 +326,8 @@ static void choose_sets(bb_summary_view *v, const bb_summary_choice *choice, boo
     }
 }
 
-/* A builder that lacks the hard scenes would look better than one that has them. */
+/* Finds the entrants that have all ray sets and scenes: one that lacks hard scenes would look
+ * better than it is. */
 static void find_whole(bb_summary_view *v, const bool *enters)
 {
     for (uint32_t e = 0; e < v->n->entrant_count; e++) {

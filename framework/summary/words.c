@@ -1,4 +1,4 @@
-/* What follows from the rows, in sentences. */
+/* Says in sentences what follows from the rows. */
 #include "framework/summary/prediction.h"
 #include "framework/summary/summary_private.h"
 
@@ -16,7 +16,7 @@ static bb_sentence *begin(bb_summary *s, const char *label)
     return sentence;
 }
 
-/* Longer sentences than there is room for are cut. */
+/* Formats a sentence, and cuts it if it is too long. */
 static void say(bb_sentence *sentence, const char *format, ...)
 {
     if (sentence == NULL)
@@ -52,10 +52,10 @@ static const char *times_text(double ratio, char text[32])
 
 enum { NAMED = 5 };
 
-/* Rows of which the first are named. */
+/* A list of rows, of which the first few are named. */
 typedef struct row_list {
     const bb_summary_row *rows[NAMED];
-    uint32_t count; /* of all */
+    uint32_t count; /* number of all rows */
 } row_list;
 
 static void list_row(row_list *list, const bb_summary_row *row)
@@ -96,7 +96,7 @@ static void say_traces(bb_summary *s)
         say(sentence, "; %s is %.0f %% slower", next->name, 100 * (1 - next->trace.value / best));
 }
 
-/* A figure of a row by which rows are compared. */
+/* Returns the figure of a row by which rows are compared. */
 typedef const bb_standing *(*pick)(const bb_summary_row *, uint32_t);
 
 static const bb_standing *pick_build(const bb_summary_row *row, uint32_t k)
@@ -110,7 +110,7 @@ static const bb_standing *pick_image(const bb_summary_row *row, uint32_t k)
     return &row->image[k];
 }
 
-/* The builder that is best, those it is tied with, and the first behind them. */
+/* The best builder, those tied with it, and the first behind them. */
 typedef struct podium {
     const bb_summary_row *best, *next;
     row_list tied;
@@ -176,8 +176,8 @@ static void say_image_at(bb_summary *s, uint32_t k, const char *label)
             times_text(p.next->image[k].value, text));
 }
 
-/* Who is first for how many rays. A builder keeps its place as long as this run cannot tell it from
- * the best; the numbers are the last that it was seen to hold. */
+/* Says who is first for how many rays. A builder keeps its place as long as this run cannot tell it
+ * from the best. Each number is the last that it held. */
 static void say_crossings(bb_summary *s)
 {
     const bb_summary_row *holder = NULL;
@@ -271,7 +271,7 @@ void bb_summary_say(bb_summary *summary)
     say_accuracy(summary);
 }
 
-/* The least and the most of an error over the kinds of rays, as "4 to 7 %". */
+/* The least and the largest error over the kinds of rays, as in "4 to 7 %". */
 typedef struct error_range {
     double least, most;
 } error_range;
@@ -290,7 +290,7 @@ static void say_range(bb_sentence *sentence, const char *before, const error_ran
         say(sentence, "%s%.2g to %.2g %%", before, range->least, range->most);
 }
 
-/* Below it less than half of what differs between trees is told. */
+/* With a lower correlation, a cost explains less than half of the variation between trees. */
 static const double telling_correlation = 0.7;
 
 static void say_mixes(bb_summary *summary, const bb_prediction_record *const *told, uint32_t count)
