@@ -21,7 +21,7 @@ void bb_entrants_request(const bb_entrants *entrants, bb_bench_request *request)
     request->intersector_count = (uint32_t)entrants->intersectors.count;
 }
 
-/* What no key's grammar tells: whether the rays can be made, from this view. */
+/* Checks what the grammar of keys does not: that the rays can be made, and from this view. */
 static bb_status check_rays(const char *key, const bb_cell_parts *cell)
 {
     const char *dots = strlen(key) > 80 ? "..." : "";
@@ -39,7 +39,7 @@ static bb_status check_rays(const char *key, const bb_cell_parts *cell)
     BB_TRY(bb_spec_parse(cell->rays, &spec));
     const bb_workload *workload = bb_workload_find(spec.name);
     if (workload == NULL)
-        return BB_OK; /* bb_bench_check() says so */
+        return BB_OK; /* bb_bench_check() reports it */
     if (workload->per_view != (cell->view[0] != '\0'))
         return bb_fail(BB_INVALID, "cell '%.80s%s': rays %s are made %s", key, dots, spec.name,
                        workload->per_view ? "from a view, and it names none"
@@ -57,7 +57,7 @@ static bb_status add_once(bb_names *names, const char *text)
     return bb_names_add_item(names, text);
 }
 
-/* The names as tables show them: without defaults. */
+/* Adds the cell's names to the group, without defaults, as tables show them. */
 static bb_status add_names(bb_cells_group *group, const bb_cell_parts *cell)
 {
     bb_cell_parts brief = *cell;
@@ -70,7 +70,8 @@ static bb_status add_names(bb_cells_group *group, const bb_cell_parts *cell)
     return add_once(&all->intersectors, brief.intersector);
 }
 
-/* Cells of one comparison are equal; a build without rays has no size. */
+/* Compares size, number of rays and seed, which the cells of one comparison share. A build without
+ * rays has no size. */
 static int compare(const void *left, const void *right)
 {
     const bb_cell_parts *a = left, *b = right;
@@ -130,7 +131,7 @@ void bb_cells_request(const bb_cells_group *group, bb_bench_request *request)
     request->native = false;
     request->seed = first->seed;
     if (first->width == 0)
-        return; /* builds alone: there are no rays to be of a size */
+        return; /* only builds: there are no rays that a size would apply to */
     request->width = first->width;
     request->height = first->height;
     request->max_rays = first->max_rays;

@@ -1,16 +1,17 @@
-/* The option --cell: exactly these cells, in as few comparisons as their sizes and seeds allow. */
+/* The option --cell: measures exactly these cells, in as few comparisons as their sizes and seeds
+ * allow. */
 #ifndef BB_CELLS_OPTION_H
 #define BB_CELLS_OPTION_H
 
 #include "framework/bench/bench.h"
 #include "framework/cli/choice.h"
 
-/* What is compared with what: lists of specifications. */
+/* The lists of specifications that are compared. */
 typedef struct bb_entrants {
     bb_names scenes, builders, kernels, workloads, intersectors;
 } bb_entrants;
 
-/* Makes these the lists of `request`, which points into them. */
+/* Sets the lists of `request`, which then points into `entrants`. */
 void bb_entrants_request(const bb_entrants *entrants, bb_bench_request *request);
 
 /* Cells of one size, number of rays and seed: one comparison, in which they are interleaved. */
@@ -31,7 +32,7 @@ typedef struct bb_cells {
 bb_status bb_cells_read(const bb_names *keys, bb_cells *cells);
 void bb_cells_free(bb_cells *cells);
 
-/* Makes `request` that of a group; the rest of it stays. It points into the group. */
+/* Sets the members of `request` that follow from a group. `request` then points into the group. */
 void bb_cells_request(const bb_cells_group *group, bb_bench_request *request);
 
 #endif

@@ -14,7 +14,7 @@
 #include <unistd.h>
 
 const bb_cli_option bb_plugin_options[] = {
-    {"plugin", "FILE.so", "load a builder, besides those in BVHBENCH_PLUGINS",
+    {"plugin", "FILE.so", "load a builder from this file, in addition to those in BVHBENCH_PLUGINS",
      BB_INTO(bb_device_choice, plugins)},
     {.name = NULL},
 };
@@ -28,19 +28,19 @@ const bb_cli_option bb_device_options[] = {
     {"handover", NULL, "how work-groups hand over data", BB_INTO(bb_device_choice, handover),
      .words = "auto|fence|levels", .fallback = "auto"},
     {.kind = BB_CLI_GROUP, .group = bb_plugin_options},
-    {"kernels-from", "DIR", "take device code from here first (edit and run)",
+    {"kernels-from", "DIR", "folder whose files replace the built-in device code of the same names",
      BB_INTO(bb_device_choice, kernels_from)},
     {.name = NULL},
 };
 
-/* A misspelt name would leave the embedded text in place, and what was to be tried untried. */
+/* Refuses files whose names no device code has: a misspelt file would be ignored silently. */
 static bb_status check_folder(const char *path)
 {
     uint32_t found = 0;
     bb_status status = BB_OK;
     DIR *folder = opendir(path);
     if (folder == NULL)
-        return BB_OK; /* bb_device_open() says why */
+        return BB_OK; /* bb_device_open() reports why */
     for (const struct dirent *e = readdir(folder); e != NULL && status == BB_OK;
          e = readdir(folder)) {
         const char *end = strrchr(e->d_name, '.');
@@ -81,7 +81,7 @@ bb_status bb_open_device(const bb_device_choice *choice, bb_device **device)
     return status;
 }
 
-/* Paths with ':' between them, as in PATH; empty ones are passed over. */
+/* Loads paths that are separated by ':', as in PATH. Empty ones are skipped. */
 static bb_status load_from_environment(void)
 {
     const char *list = getenv("BVHBENCH_PLUGINS");

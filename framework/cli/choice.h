@@ -7,7 +7,7 @@
 #include "framework/device/device.h"
 #include "framework/scene/scene.h"
 
-#define BB_FORM_HELP "which variant of device code to use where there are two"
+#define BB_FORM_HELP "which variant of device code to use if there are two"
 
 /* The values of --device, --form, --handover, --plugin and --kernels-from. */
 typedef struct bb_device_choice {
@@ -21,7 +21,7 @@ typedef struct bb_device_choice {
 /* Groups of rows for a bb_device_choice; the second has --plugin alone. */
 extern const bb_cli_option bb_device_options[], bb_plugin_options[];
 
-/* Opens the device. Progress then begins with the device's name. */
+/* Opens the device. The first line of progress is then the device's name. */
 bb_status bb_open_device(const bb_device_choice *choice, bb_device **device);
 
 /* Loads the plug-ins of BVHBENCH_PLUGINS in the environment, then all of --plugin. */
@@ -35,15 +35,15 @@ enum { BB_CHARTS_AUTO, BB_CHARTS_YES, BB_CHARTS_NO };
 
 #define BB_CHARTS_OPTION(type, member)                                                             \
     {                                                                                              \
-        "charts", NULL, "also as SVG and PNG; auto: if gnuplot is installed",                      \
+        "charts", NULL, "write the charts as SVG and PNG too; auto: if gnuplot is installed",      \
             BB_INTO(type, member), .words = "auto|yes|no", .fallback = "auto"                      \
     }
 
-/* Makes BB_CHARTS_YES of BB_CHARTS_AUTO if gnuplot is installed. BB_INVALID: charts are asked for
- * and it is not. To be called before the work. */
+/* Changes BB_CHARTS_AUTO to BB_CHARTS_YES if gnuplot is installed. BB_INVALID: charts are asked
+ * for, but gnuplot is not installed. To be called before the work. */
 bb_status bb_charts_decide(uint32_t *charts);
-/* After the work: says on standard error that no charts were drawn, and why, unless that was asked
- * for. */
+/* Says on standard error, after the work, that gnuplot was missing for charts; says nothing after
+ * BB_CHARTS_YES and BB_CHARTS_NO. */
 void bb_charts_note(uint32_t charts);
 
 #endif

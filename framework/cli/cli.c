@@ -61,13 +61,14 @@ static void print_overview(FILE *out)
           out);
     for (const bb_command *const *c = bb_commands; *c != NULL; c++)
         fprintf(out, "  %-10s %s\n", (*c)->name, (*c)->summary);
-    fprintf(out, "  %-10s %s\n  %-10s %s\n", "help", "this text, or with COMMAND what it takes",
+    fprintf(out, "  %-10s %s\n  %-10s %s\n", "help", "this text; with COMMAND, its options",
             "version", "version and revision");
-    fputs("\n`bvhbench COMMAND --help` shows a command's options. Options are written in full;\n"
+    fputs("\n"
+          "`bvhbench COMMAND --help` shows a command's options. Options are written in full;\n"
           "whole numbers also as 1e6, 20k, 1.5M or 1_000_000.\n"
           "exit status: 0 done, nothing wrong; 1 done, but a check or comparison failed;\n"
           "2 it could not be done (one line on standard error says why); 130 interrupted;\n"
-          "141 nobody read the output to its end, and all else was done\n"
+          "141 the output was not read to its end; all else was done\n"
           "environment: BVHBENCH_PLUGINS=A.so:B.so loads builders for every command;\n"
           "BVHBENCH_SCENES=DIR is the folder of the shipped scenes\n",
           out);
@@ -75,8 +76,8 @@ static void print_overview(FILE *out)
 
 /* ---- the program ---- */
 
-/* What was written may still be on its way, or have been lost on the way: that is a failure too. If
- * nobody reads it any more, nobody reads why it failed either. */
+/* Flushes standard output. Output that is lost is a failure too. If the reader of a pipe has gone
+ * away, the program ends here without a message. */
 static bb_status flush_output(bb_status status)
 {
     bool lost = ferror(stdout) != 0;
@@ -151,8 +152,9 @@ static int help(const char *name)
     return end(status, BB_EXIT_OK);
 }
 
-/* A standard file that the caller has closed would come back as the first file that is opened, and
- * what is meant for a terminal would be written into it. Of this one, writing fails. */
+/* Opens /dev/null in place of standard files that the caller has closed. Otherwise the next file to
+ * be opened would get their number, and messages would be written into it. Writing to this one
+ * fails. */
 static void keep_standard_files(void)
 {
     for (int file = 0; file <= 2; file++)
@@ -160,8 +162,8 @@ static void keep_standard_files(void)
             (void)!open("/dev/null", O_RDONLY);
 }
 
-/* Numbers are written and read with a point, whatever locale a plug-in sets: a thread's own is not
- * changed by setlocale(). */
+/* Gives this thread a locale of its own, which setlocale() in a plug-in does not change, so that
+ * numbers always have a decimal point. */
 static void keep_locale(void)
 {
     uselocale(newlocale(LC_ALL_MASK, "C", (locale_t)0));

@@ -1,5 +1,5 @@
-/* The command line: each command is a table of options whose rows say where a value is stored. The
- * parser, the defaults, the help and the messages all come from these rows. */
+/* The command line. Each command has a table of options whose rows say where a value is stored.
+ * Parser, defaults, help and messages use these rows. */
 #ifndef BB_CLI_H
 #define BB_CLI_H
 
@@ -41,10 +41,10 @@ typedef enum bb_cli_kind {
     BB_CLI_EACH,   /* bb_names, given by repetition alone */
 } bb_cli_kind;
 
-/* A row. The member that stores the value tells its kind. */
+/* A row of the table. BB_INTO() derives the kind from the member that stores the value. */
 typedef struct bb_cli_option {
     const char *name;
-    const char *argument; /* the help's name of the value; NULL: a flag or `words` */
+    const char *argument; /* name of the value in the help; NULL: a flag or `words` */
     const char *help;
     bb_cli_kind kind;
     size_t offset; /* of the value, or of the group's struct, in the command's struct */
@@ -95,16 +95,16 @@ typedef struct bb_command {
     const char *summary;
     const char *arguments; /* positional arguments, for the usage line; NULL: none are taken */
     const char *details;   /* further lines of help */
-    void (*more_help)(FILE *out); /* help made from generated tables; NULL: nothing */
+    void (*more_help)(FILE *out); /* prints further help from generated tables; may be NULL */
     const bb_cli_option *options;
     size_t bytes; /* size of the command's struct, which is zeroed before the values are stored */
-    /* Any status but BB_OK ends the program with its message and BB_EXIT_CANNOT; else *exit_status
-     * does. */
+    /* Runs the command. After BB_OK the program exits with *exit_status, else with BB_EXIT_CANNOT
+     * and the message. */
     bb_status (*run)(const bb_cli *cli, void *values, int *exit_status);
     void (*release)(void *values); /* called after run(), whatever it returned; NULL: nothing */
 } bb_command;
 
-/* A row with the place of its value. */
+/* A row with the address of its value. */
 typedef struct bb_cli_row {
     const bb_cli_option *option;
     char *place;
@@ -114,7 +114,7 @@ typedef struct bb_cli_row {
 
 struct bb_cli {
     const bb_command *command;
-    char *command_line; /* as a shell takes it */
+    char *command_line; /* quoted for a shell */
     void *values;       /* the command's struct */
     bb_cli_row rows[BB_CLI_OPTIONS_MAX];
     uint32_t row_count;
@@ -122,9 +122,10 @@ struct bb_cli {
     char **positional;
 };
 
-/* Reads argv[2] and so on, and stores all values; if *help is set, it stopped at --help. BB_INVALID
- * names what was given and what it must be, or a row whose declaration is wrong. `cli` is zeroed
- * before; release it with bb_cli_free(), also after a failure. */
+/* Parses argv[2] and the following words, and stores all values. If *help is set, it stopped at
+ * --help. BB_INVALID: the message says what was given and what it must be, or names a row whose
+ * declaration is wrong. `cli` must be zeroed; release it with bb_cli_free(), also after a failure.
+ */
 bb_status bb_cli_parse(bb_cli *cli, const bb_command *command, int argc, char **argv, bool *help);
 void bb_cli_free(bb_cli *cli);
 
@@ -142,8 +143,7 @@ bb_status bb_cli_help(const bb_command *command, FILE *out);
 /* One per cmd_NAME.c. */
 extern const bb_command *const bb_commands[]; /* generated; ends with NULL */
 
-/* The program: parses and runs, returns the exit status. main() takes nothing else from the
- * library. */
+/* Runs the program and returns the exit status. main() uses nothing else of the library. */
 __attribute__((visibility("default"))) int bb_main(int argc, char **argv);
 
 #endif

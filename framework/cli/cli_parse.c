@@ -1,4 +1,4 @@
-/* The command line becomes a command's struct of values, by the rows of its table. */
+/* Parses the command line into a command's struct of values, by the rows of its table. */
 #include "framework/base/shell_word.h"
 #include "framework/base/suggest.h"
 #include "framework/cli/cli.h"
@@ -81,7 +81,7 @@ static const char *fault_of(const bb_cli *cli, const bb_cli_option *o, size_t of
     return NULL;
 }
 
-/* A row of the command itself replaces that of a group. */
+/* Returns whether a row of the command itself replaces a group's row of this name. */
 static bool is_replaced(const bb_command *command, const char *name)
 {
     for (const bb_cli_option *o = command->options; o->kind != BB_CLI_END; o++)
@@ -119,7 +119,7 @@ static bb_status fail(const bb_cli *cli, const char *what, const char *given, co
                    name);
 }
 
-/* `given` begins with two dashes. */
+/* Refuses an option. `given` begins with two dashes. */
 static bb_status unknown_option(const bb_cli *cli, const char *given)
 {
     char word[64];
@@ -144,8 +144,8 @@ static bb_status take(bb_cli_row *row, const char *text)
     return BB_OK;
 }
 
-/* `--name`, `--name value` or `--name=value`: *next is the word after it (NULL: there is none),
- * which a value takes. */
+/* Takes `--name`, `--name value` or `--name=value`. `next` is the following word, or NULL;
+ * *took_next says whether it was the value. */
 static bb_status take_option(bb_cli *cli, const char *word, const char *next, bool *took_next)
 {
     for (uint32_t i = 0; i < cli->row_count; i++) {
@@ -217,7 +217,7 @@ static bb_status undeclared(const bb_cli *cli, const char *option, const char *o
                    cli->command->name, option, other);
 }
 
-/* What the row says of other options. */
+/* Checks `apart`, `with` and `presets` of a row, which name other options. */
 static bb_status check_others(const bb_cli *cli, const bb_cli_row *row)
 {
     const bb_cli_option *o = row->option;
@@ -258,7 +258,7 @@ static bb_status check_needed(const bb_cli *cli)
                                         command, missing, command);
 }
 
-/* The default is the row's own, unless a flag that is given has another. */
+/* Returns the default of an option: that of a flag that is given, else the row's own. */
 static const char *default_of(const bb_cli *cli, const bb_cli_option *o)
 {
     for (uint32_t i = 0; i < cli->row_count; i++)

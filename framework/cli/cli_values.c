@@ -1,4 +1,4 @@
-/* A text becomes the value of an option: number, word, size or list. */
+/* Reads texts as values of options: numbers, words, sizes and lists. */
 #include "framework/base/number.h"
 #include "framework/base/options.h"
 #include "framework/cli/cli.h"

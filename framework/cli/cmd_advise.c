@@ -30,24 +30,27 @@ static const bb_cli_option options[] = {
      BB_INTO(advising, request.max_wrong_ppm), .high = 1e6, .fallback = "0"},
     {"rays", "R", "kinds of rays", BB_INTO(advising, rays),
      .fallback = "primary,ao,diffuse,shadow"},
-    {"count", "N", "rays for which the time to image is asked, all kinds together",
+    {"count", "N", "number of rays, of all kinds together, for the time to image",
      BB_INTO(advising, count), .low = 1, .high = (double)(UINT64_C(1) << 50), .fallback = "1e6"},
-    {"builder", "B", "to try; default: those that `run` compares, and least variants of them",
+    {"builder", "B",
+     "builders to try; default: those that `run` compares, and their least variants",
      BB_INTO(advising, builders)},
-    {"kernel", "K", "to try; default: those that `run` compares, and some that take less",
+    {"kernel", "K", "kernels to try; default: those that `run` compares, and some that need less",
      BB_INTO(advising, kernels)},
-    {"intersector", "I", "to try; default: exact, or all if wrong rays are tolerated",
+    {"intersector", "I", "intersectors to try; default: exact, or all if wrong rays are tolerated",
      BB_INTO(advising, intersectors)},
-    {"exhaustive", NULL, "measure everything at the end: how far is the choice from the best?",
+    {"exhaustive", NULL,
+     "measure all combinations at the end, to show how far the choice is from the best",
      BB_INTO(advising, request.exhaustive)},
     {"size", "WxH", "image size for primary rays, in the last heat",
      BB_INTO_SIZE(advising, request.width), .fallback = "256x256"},
-    {"max-rays", "N", "most rays of a kind that samples, likewise",
+    {"max-rays", "N", "most rays of each sampled kind, in the last heat",
      BB_INTO(advising, request.max_rays), .low = 1, .high = 1u << 30, .fallback = "65536"},
     {"repeats", "N", "measured rounds of the last heat, 6 or more",
      BB_INTO(advising, request.repeats), .low = BB_INTERVAL_ROUNDS, .high = BB_SAMPLES_MAX - 1,
      .fallback = "10"},
-    {"memory", "BYTES", "for trees and layouts at a time: what takes more is measured in turns",
+    {"memory", "BYTES",
+     "memory for trees and layouts at a time; if they need more, they are measured in turns",
      BB_INTO(advising, memory), .low = 1, .high = (double)(UINT64_C(1) << 50), .fallback = "1500M"},
     {"quick", NULL, "fewer rays, and one heat less", BB_INTO(advising, request.quick),
      .presets =
@@ -97,7 +100,7 @@ static bb_status choose_intersectors(advising *a)
     return copy(&a->intersectors, list);
 }
 
-/* What was given of all that `run` takes likewise and its times or answers depend on. */
+/* Writes the given options that `run` has too and that affect its times or answers. */
 static bb_status keep_options(const bb_cli *cli, char **text)
 {
     static const char *const kept[] = {"size", "max-rays", "seed",   "device",
@@ -142,7 +145,8 @@ static bb_status advise(void *user, bb_device *device, bb_results *results,
     return bb_advise(&a->request, results, outcome, &a->found);
 }
 
-/* After an interrupt before anything was measured. */
+/* Returns whether there is advice to print. If the command was interrupted before it had any, says
+ * so and returns false. */
 static bool is_advised(const bb_results *results)
 {
     const bool advised = bb_results_member(results, "advice") != NULL;
@@ -172,7 +176,7 @@ static bb_status print_json(const bb_results *results, FILE *out)
     return written ? BB_OK : bb_fail(BB_FAILED, "cannot write the advice");
 }
 
-/* Without a folder: nothing is written. */
+/* Advises without a folder: prints, and writes no files. */
 static bb_status answer(advising *a, bb_status (*print)(const bb_results *results, FILE *out),
                         int *exit_status)
 {
@@ -236,15 +240,15 @@ static void release(void *values)
 extern const bb_command bb_command_advise;
 const bb_command bb_command_advise = {
     .name = "advise",
-    .summary = "the least that a scene needs: builder, code, kernel, stack, intersector",
-    .details =
-        "Tries what matters, drops early what is surely too slow, and of what is right often "
-        "enough\n"
-        "and within 5 % of the fastest names what takes least: memory, bits of the code, stack,\n"
-        "kinds of primitives, in this order. Says what it left out, what that would have cost, "
-        "and\n"
-        "the command that measures the choice again.\n"
-        "Exit status 1: nothing that was tried is within --max-wrong-ppm.",
+    .summary = "find the least that a scene needs: builder, code, kernel, stack, intersector",
+    .details = "Tries the candidates and drops early those that are surely too slow. Of those that "
+               "are right\n"
+               "often enough and within 5 % of the fastest, it names the one that needs least: "
+               "memory, bits of\n"
+               "the code, stack, kinds of primitives, in this order. It says what it left out, "
+               "what that would\n"
+               "have cost, and which command measures the choice again.\n"
+               "Exit status 1: nothing that was tried is within --max-wrong-ppm.",
     .options = options,
     .bytes = sizeof(advising),
     .run = run,

@@ -26,7 +26,7 @@ typedef struct job {
 static const bb_cli_option options[] = {
     {"scene", "S", "a scene that moves: `list scenes` shows which have frames; FILE.glb:clip=NAME",
      BB_INTO_EACH(job, scenes), .needed = true},
-    {"builder", "B", "the methods; default: what builders name for it, see below",
+    {"builder", "B", "methods; default: those that builders declare for it, see below",
      BB_INTO(job, builders)},
     {"kernel", "K", "kernels", BB_INTO(job, kernels), .fallback = "stack,stack8"},
     {"rays", "R", "workloads", BB_INTO(job, rays), .fallback = "primary,diffuse"},
@@ -34,9 +34,9 @@ static const bb_cli_option options[] = {
      BB_INTO(job, request.intersector), .fallback = "exact"},
     {"view", "V", "view of the scene; default: its first", BB_INTO(job, request.view)},
     {"frames", "A..B", "from frame A to frame B; default: all", BB_INTO(job, frames)},
-    {"size", "WxH", "of the picture that primary rays make", BB_INTO_SIZE(job, request.width),
+    {"size", "WxH", "image size for primary rays", BB_INTO_SIZE(job, request.width),
      .fallback = "256x256"},
-    {"max-rays", "N", "most rays of another kind", BB_INTO(job, request.max_rays), .low = 1,
+    {"max-rays", "N", "most rays of each sampled kind", BB_INTO(job, request.max_rays), .low = 1,
      .high = 1 << 24, .fallback = "65536"},
     {"repeats", "N", "rounds over the whole sequence that count", BB_INTO(job, request.repeats),
      .low = 1, .high = BB_ANIMATE_ROUNDS_MAX - 1, .fallback = "3"},
@@ -197,15 +197,15 @@ static void more_help(FILE *out)
 extern const bb_command bb_command_animate;
 const bb_command bb_command_animate = {
     .name = "animate",
-    .summary = "moving scenes: methods that keep trees up to date, frame by frame",
-    .details = "A method is a builder, which builds each frame anew, or follows with what it has "
-               "for it, alone or\n"
-               "with optimisers behind it. All go through the frames together; each frame's trees "
-               "are checked and\n"
-               "each answer judged. Reported are updates, layouts, tracing, costs beside those of "
-               "trees made for the\n"
-               "frame, and who wins for how many rays per frame.\n"
-               "Exit status 1: an answer is wrong, or a tree does not hold.",
+    .summary = "compare methods that keep the trees of moving scenes up to date",
+    .details = "A method is a builder, alone or with optimisers behind it. It builds each frame "
+               "anew or updates\n"
+               "its tree. All methods go through the frames together; the trees of each frame are "
+               "checked and all\n"
+               "answers judged. Shown are times of updates, layouts and traces, costs beside those "
+               "of trees built\n"
+               "for the frame, and which method wins for how many rays per frame.\n"
+               "Exit status 1: an answer is wrong, or a tree is not valid.",
     .more_help = more_help,
     .options = options,
     .bytes = sizeof(job),

@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Small scenes, each with something that builders trip over. */
+/* Small scenes, each with a difficulty for builders. */
 static const char *const procedural_scenes[] = {
     "single",
     "cube",
@@ -54,10 +54,10 @@ static bb_status default_scenes(bb_names *names)
 
 enum { FORMS_MAX = 2 };
 
-/* Below this a build's time says nothing about its growth. */
+/* Builds of fewer primitives say nothing about how time grows. */
 enum { PRIMS_TIMED = 1000 };
 
-/* A builder's builds per primitive, over the scenes. */
+/* A builder's times per primitive, over the scenes. */
 typedef struct pace {
     double slowest_us, fastest_us; /* 0: none was timed */
     char slowest_scene[256];
@@ -70,16 +70,17 @@ typedef struct check {
     bb_device_choice choice;
     uint32_t form; /* a word of --form: bb_form, or BOTH_FORMS */
     bool quiet;
-    bool beside[BB_NAMES_MAX];    /* given alone, and put beside a default builder */
-    uint32_t taken[BB_NAMES_MAX]; /* scenes that each took */
-    char *refusals[BB_NAMES_MAX]; /* the first scene that each did not take, and why; from malloc */
-    uint64_t seed;                /* of the ray sets */
-    uint32_t side;                /* a ray set has the square of it */
-    uint32_t limit;               /* seconds that each line of the table may take; 0: any */
+    bool beside[BB_NAMES_MAX]; /* a splitter or optimiser, which was put beside a default builder */
+    uint32_t taken[BB_NAMES_MAX]; /* for each builder, the number of scenes that it took */
+    /* for each builder, the first scene that it did not take, and why; from malloc */
+    char *refusals[BB_NAMES_MAX];
+    uint64_t seed;  /* seed of the ray sets */
+    uint32_t side;  /* a ray set has side * side rays */
+    uint32_t limit; /* most seconds for each line of the table; 0: no limit */
     bb_progress progress;
     uint32_t checked, failed;
     pace paces[BB_NAMES_MAX];
-    bb_conformed found[FORMS_MAX][BB_NAMES_MAX]; /* on the scene at hand */
+    bb_conformed found[FORMS_MAX][BB_NAMES_MAX]; /* on the current scene */
     bool conforms[FORMS_MAX][BB_NAMES_MAX];
 } check;
 
@@ -94,17 +95,17 @@ static const bb_cli_option options[] = {
     {"form", NULL, BB_FORM_HELP "; both: they must give equal trees", BB_INTO(check, form),
      .words = "auto|cpu|gpu|both", .fallback = "auto"},
     {"seed", "N", "random seed of the rays", BB_INTO(check, seed), .fallback = "1"},
-    {"side", "N", "N x N rays of each kind, from 6 (for slow tools)", BB_INTO(check, side),
+    {"side", "N", "trace N x N rays of each kind; fewer suit slow tools", BB_INTO(check, side),
      .low = 6, .high = 1024, .fallback = "64"},
     {"limit", "SECONDS",
-     "most that a builder may take on a scene, checks included, compiling not; then it hangs, and "
-     "`check` ends; 0: any time",
+     "most time for one builder on one scene, with checks but without compiling; after that, "
+     "`check` ends; 0: no limit",
      BB_INTO(check, limit), .high = 1000000, .fallback = "900"},
     BB_QUIET_OPTION(check, quiet),
     {.name = NULL},
 };
 
-/* Of the table: what was found, of which scene and builder. */
+/* A line of the table: result, scene, builder, text. */
 #define TABLE_LINE "%-11s %-36s %-34s %s\n"
 
 static void say(check *c, const char *word, const char *scene, const char *builder,
@@ -115,7 +116,7 @@ static void say(check *c, const char *word, const char *scene, const char *build
     fflush(stdout);
 }
 
-/* Until the line that comes next is done. */
+/* Starts the watchdog for the next line of the table. */
 static void watch(const check *c, const char *scene, const char *builder)
 {
     char line[2048], text[160];
@@ -126,7 +127,7 @@ static void watch(const check *c, const char *scene, const char *builder)
     bb_watchdog_start(c->limit, line);
 }
 
-/* What was given of a splitter or an optimiser alone is no builder yet. */
+/* Completes splitters and optimisers that were given alone by a default builder. */
 static bb_status complete(check *c)
 {
     for (size_t i = 0; i < c->builders.count; i++) {
@@ -154,7 +155,7 @@ static void add_pace(pace *p, const bb_scene *scene, double ms)
     }
 }
 
-/* The message of what was not taken, with the scene; NULL without memory. */
+/* Returns the last message with the scene before it; NULL without memory. */
 static char *refusal_of(const bb_scene *scene)
 {
     char text[1200];
@@ -243,7 +244,7 @@ static bb_status check_scene(check *c, uint32_t form, const char *name)
     return status;
 }
 
-/* Both forms are of one method: where it is deterministic, they make one tree. */
+/* Compares the trees of both forms, which must be equal for a deterministic builder. */
 static void compare_forms(check *c, const char *scene)
 {
     for (size_t i = 0; i < c->builders.count; i++) {
@@ -260,7 +261,7 @@ static void compare_forms(check *c, const char *scene)
     }
 }
 
-/* A builder that took none of the scenes has not passed. */
+/* Fails builders that took none of the scenes. */
 static void find_unchecked(check *c)
 {
     for (size_t i = 0; i < c->builders.count; i++)

@@ -32,13 +32,13 @@ static const bb_cli_option options[] = {
      BB_INTO(inputs, programs)},
     {"rounds", "N", "with --run: pairs that count, after a discarded one", BB_INTO(inputs, rounds),
      .high = BB_SAMPLES_MAX - 1, .fallback = "10", .with = "run"},
-    {"seed", "N", "with --run: decides which program begins a pair", BB_INTO(inputs, seed),
-     .fallback = "1", .with = "run"},
+    {"seed", "N", "with --run: random seed that decides which program begins a pair",
+     BB_INTO(inputs, seed), .fallback = "1", .with = "run"},
     {"out", "DIR", "with --run: keep all result files there; default: they are removed",
      BB_INTO(inputs, out), .with = "run"},
     {"history", "DB", "OLD and NEW may be revisions in this database; floors are kept there",
      BB_INTO(inputs, database)},
-    {"threshold", "PERCENT", "the least change of a time that counts; default: as measured by A/A",
+    {"threshold", "PERCENT", "least change of a time that counts; default: measured by A/A",
      BB_INTO(inputs, percent), .high = 1000},
     {"format", NULL, "github: Markdown for a comment", BB_INTO(inputs, format),
      .words = "text|github", .fallback = "text"},
@@ -266,22 +266,27 @@ static void release(void *values)
 extern const bb_command bb_command_compare;
 const bb_command bb_command_compare = {
     .name = "compare",
-    .summary = "what moved from one run, revision or program to another; exit 1 where worse",
+    .summary = "compare two runs, revisions or programs; exit status 1 if something is worse",
     .arguments = "OLD NEW | --run BINARY_A BINARY_B [-- ARGUMENTS OF RUN]",
     .details =
-        "OLD and NEW are result files, folders of runs, or with --history revisions; so many\n"
-        "letters of a revision as make it clear. Cells are matched by their keys.\n"
-        "A time moved if the 95 % interval of the ratio of medians excludes 1, the ratio is "
+        "OLD and NEW are result files, folders of runs, or, with --history, revisions or their "
+        "first\n"
+        "letters. Cells are matched by their keys.\n"
+        "A time has moved if the 95 % interval of the ratio of medians excludes 1, the ratio is "
         "beyond\n"
-        "what the same program shows against itself on that machine (A/A), and its p-value,\n"
-        "adjusted for all cells, is small: of equals, one in 100 raises an alarm.\n"
-        "Pairs (--run) compare the least times of each run, and measure their own A/A. Two runs by "
-        "themselves tell less,\n"
-        "and what 90 % of the cells show in A/A is taken from the history, which `compare --run A "
-        "A --history\n"
-        "DB` and two runs of one revision feed; where there is none, 10 % is assumed, and said.\n"
+        "what the same program shows against itself on that machine (A/A), and its p-value, "
+        "adjusted for\n"
+        "all cells, is small: if equal programs are compared, one comparison in 100 raises an "
+        "alarm.\n"
+        "Pairs (--run) compare the least times of each run and measure their own A/A. Two separate "
+        "runs\n"
+        "are weaker evidence. Their A/A is what 90 % of the cells do not exceed in the history, "
+        "which\n"
+        "`compare --run A A --history DB` and two runs of one revision provide; if there is none, "
+        "10 % is\n"
+        "assumed, and the output says so.\n"
         "SAH, nodes, tests per ray, bytes, wrong rays and status are compared exactly.\n"
-        "Exit status 1: a time, SAH, tests, bytes or wrong rays are worse, a cell now fails,\n"
+        "Exit status 1: a time, SAH, tests, bytes or wrong rays are worse, a cell fails now,\n"
         "or its answers are not judged any more.",
     .options = options,
     .bytes = sizeof(inputs),

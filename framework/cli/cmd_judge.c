@@ -50,12 +50,13 @@ static const bb_cli_option options[] = {
     {"scene", "S", "scene of the rays", BB_INTO(job, scene_name), .needed = true},
     {"rays-file", "FILE", "file written by `bvhbench rays`", BB_INTO(job, rays), .needed = true},
     {"hits", "FILE", "the tracer's answers to it", BB_INTO(job, hits), .needed = true},
-    {"mrays-s", "X", "its speed in million rays per second, for the record", BB_INTO(job, speeds)},
-    {"name", "TEXT", "its name; default: the one in the hits file, else `outside`",
+    {"mrays-s", "X", "the tracer's speed in million rays per second, for the record",
+     BB_INTO(job, speeds)},
+    {"name", "TEXT", "the tracer's name; default: the name in the hits file, else `outside`",
      BB_INTO(job, tracer)},
     {"max-wrong-ppm", "X", "wrong rays per million that are tolerated", BB_INTO(job, max_wrong_ppm),
      .high = 1e6, .fallback = "0"},
-    {"verify", NULL, "generate the rays again and compare; no: rays made by hand",
+    {"verify", NULL, "generate the rays again and compare them; no: the rays were made by hand",
      BB_INTO(job, by_hand), .words = "yes|no", .fallback = "yes"},
     {"out", "DIR", "folder for results.json and report.html; default: not written",
      BB_INTO(job, folder)},
@@ -319,7 +320,8 @@ const bb_command bb_command_judge = {
     .details =
         "A hit is a primitive and a t; framework/exchange/exchange.h has the format of both "
         "files.\n"
-        "Answers are judged as in `run`; [ , ] is a 95 % interval. If there are fewer hits than\n"
+        "Answers are judged as in `run`; brackets show a 95 % interval. If there are fewer hits "
+        "than\n"
         "rays, they belong to the first rays. The rays are generated again from scene and header\n"
         "and must equal those in the file; with --verify no they are judged as given, under a "
         "name\n"

@@ -22,8 +22,8 @@ typedef struct wanted {
 } wanted;
 
 static const bb_cli_option options[] = {
-    {"json", NULL, "as JSON", BB_INTO(wanted, json)},
-    {"isa", NULL, "of kernels: the registers, memory and loads that GPUs' compilers make of them",
+    {"json", NULL, "print JSON", BB_INTO(wanted, json)},
+    {"isa", NULL, "with `kernels`: registers, memory and loads of their code for GPUs",
      BB_INTO(wanted, isa), .apart = "json"},
     BB_GROUP(bb_plugin_options, wanted, device),
     {.name = NULL},

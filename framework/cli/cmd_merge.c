@@ -28,7 +28,7 @@ typedef struct merging {
 } merging;
 
 static const bb_cli_option options[] = {
-    {"out", "DIR", "folder for results.json, report.html and pictures; with several files: needed",
+    {"out", "DIR", "folder for results.json, report.html and pictures; needed with several files",
      BB_INTO(merging, out)},
     BB_HISTORY_OPTION(merging, history),
     {.name = NULL},
@@ -204,7 +204,7 @@ static void release(void *values)
 extern const bb_command bb_command_merge;
 const bb_command bb_command_merge = {
     .name = "merge",
-    .summary = "make one run of the shards of a run (run --shard)",
+    .summary = "join the shards of a run (run --shard) into one run",
     .arguments = "FILE|DIR...",
     .details =
         "A folder stands for its results.json. The shards must be of one program, device and "

@@ -21,13 +21,14 @@ typedef struct job {
 } job;
 
 static const bb_cli_option options[] = {
-    {"builder", "B", "default: what builders name for it, see below", BB_INTO(job, builders)},
+    {"builder", "B", "builders; default: the variants that they declare for it, see below",
+     BB_INTO(job, builders)},
     BB_SEARCH_OPTION(job, searches, ""),
-    {"no-tree", NULL, "also by all pairs, which others are compared with",
+    {"no-tree", NULL, "also test all pairs without a tree, and compare the others with that",
      BB_INTO(job, request.without)},
     {"fit", "X",
-     "scale and move mesh B: its box's longest side becomes X times A's, its middle A's middle; "
-     "default: as it is",
+     "scale mesh B until its box's longest side is X times A's, and centre it on A; default: B "
+     "stays as it is",
      BB_INTO(job, fit), .low = 1e-6, .high = 1e6},
     {"repeats", "N", "measured rounds (the paper: 50)", BB_INTO(job, request.repeats), .low = 1,
      .high = BB_SAMPLES_MAX - 1, .fallback = "10"},
@@ -127,16 +128,17 @@ static void release(void *values)
 extern const bb_command bb_command_overlap;
 const bb_command bb_command_overlap = {
     .name = "overlap",
-    .summary = "where two meshes of tetrahedra overlap",
+    .summary = "find where two meshes of tetrahedra overlap",
     .arguments = "A B",
     .details =
-        "Which tetrahedra of mesh A share a point with one of mesh B, and which of B with one of "
-        "A: faces,\n"
-        "edges and corners belong to them; those without a volume are left out.\n"
-        "Each builder with each search, against the first of them or against no tree. `octree` "
-        "spares\n"
-        "tests where a cell is all inside of the other mesh, or all outside.\n"
-        "Exit status 1: an answer differs from the first way's.",
+        "Finds the tetrahedra of mesh A that share a point with one of mesh B, and those of B with "
+        "one of\n"
+        "A. Faces, edges and corners belong to tetrahedra; tetrahedra without a volume are left "
+        "out.\n"
+        "Each builder is measured with each search, and compared with the first of these or with "
+        "no tree.\n"
+        "`octree` needs no tests where a cell lies fully inside or fully outside the other mesh.\n"
+        "Exit status 1: an answer differs from the first one's.",
     .more_help = bb_print_mesh_builders,
     .options = options,
     .bytes = sizeof(job),

@@ -44,9 +44,9 @@ enum { DEPTH, NORMAL, HEAT, DIFF };
 static const bb_cli_option options[] = {
     {"scene", "S", "file, shipped or procedural scene", BB_INTO(rendering, scene_name),
      .needed = true},
-    {"builder", "B", "default: the usual one, which takes all kinds of primitives",
+    {"builder", "B", "builder; default: the usual one, which takes all kinds of primitives",
      BB_INTO(rendering, builder)},
-    {"kernel", "K", "default: the first in `list kernels` without a limit of leaf=",
+    {"kernel", "K", "kernel; default: the first in `list kernels` that does not limit leaf=",
      BB_INTO(rendering, kernel_text)},
     {"intersector", "I", "intersection tests: see `list intersectors`",
      BB_INTO(rendering, intersector_text), .fallback = "exact"},

@@ -26,7 +26,7 @@ typedef struct wanted {
 static const bb_cli_option options[] = {
     {"out", "FILE.html", "where to write the report; default: report.html beside the first input",
      BB_INTO(wanted, out)},
-    {"history", "DB", "instead of files: the page of a database of runs, each cell over revisions",
+    {"history", "DB", "instead of files, report a database of runs: each cell over the revisions",
      BB_INTO(wanted, history), .apart = "table|markdown|google-benchmark|csv|charts"},
     {"table", NULL, "print the full tables; write no report unless --out is given",
      BB_INTO(wanted, table)},

@@ -15,12 +15,12 @@ typedef struct wanted {
 
 static const bb_cli_option options[] = {
     {"scene", "S",
-     "instead of the default scenes, where an experiment allows it; `all`: the shipped ones",
+     "replace the default scenes, if an experiment allows it; `all`: the shipped scenes",
      BB_INTO(wanted, scenes)},
     {"repeats", "N",
      "measured rounds; default: each experiment's own; fewer than 6 decide no claim on times",
      BB_INTO(wanted, request.repeats), .low = 1, .high = BB_SAMPLES_MAX - 1},
-    {"max-prims", "N", "most primitives, where their number varies",
+    {"max-prims", "N", "most primitives in experiments that vary their number",
      BB_INTO(wanted, request.max_prims), .low = 10000, .high = 100000000, .fallback = "1000000"},
     {"quick", NULL, "small scenes, few rays, two rounds: a trial that decides no claim on times",
      BB_INTO(wanted, request.quick), .apart = "repeats",

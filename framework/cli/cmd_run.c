@@ -30,15 +30,19 @@ typedef struct comparison {
 
 static const bb_cli_option options[] = {
     {"scene", "S",
-     "file (.gltf, .glb, .obj, .ply), shipped or procedural scene; `all` and default: shipped",
+     "file (.gltf, .glb, .obj, .ply), shipped or procedural scene; `all` and default: the shipped "
+     "scenes",
      BB_INTO(comparison, entrants.scenes)},
-    {"builder", "B", "name:key=value,...; A+B; `all`; default: the variants to compare",
+    {"builder", "B",
+     "builder with parameters, name:key=value,..., or A+B, or `all`; default: the variants to "
+     "compare",
      BB_INTO(comparison, entrants.builders)},
-    {"kernel", "K", "kernel; `all`; default: those to compare, and those that keep a tree's shape",
+    {"kernel", "K",
+     "kernel, or `all`; default: those to compare, and those that keep a tree's shape",
      BB_INTO(comparison, entrants.kernels)},
-    {"rays", "R", "workload; `all`; `none`: builds only", BB_INTO(comparison, entrants.workloads),
-     .fallback = "primary,ao,diffuse,shadow,random"},
-    {"intersector", "I", "intersection tests: see `list intersectors`; `all`",
+    {"rays", "R", "workload, or `all`; `none`: builds only",
+     BB_INTO(comparison, entrants.workloads), .fallback = "primary,ao,diffuse,shadow,random"},
+    {"intersector", "I", "intersection tests, or `all`: see `list intersectors`",
      BB_INTO(comparison, entrants.intersectors), .fallback = "exact"},
     {"cell", "KEY", "measure exactly this cell, instead of all of the above",
      BB_INTO_EACH(comparison, keys),
@@ -48,8 +52,8 @@ static const bb_cli_option options[] = {
      "image size for primary rays; default: 512x512, or 256x256 if nothing is chosen",
      BB_INTO_SIZE(comparison, request.width)},
     {"max-rays", "N",
-     "most rays of a workload that samples, per scene; default: 1048576, or 65536 likewise; see "
-     "below",
+     "most rays per scene of a workload that samples; default: 1048576, or 65536 if nothing is "
+     "chosen; see below",
      BB_INTO(comparison, request.max_rays), .low = 1, .high = 1u << 30},
     {"repeats", "N", "measured rounds, after a discarded one; 6 are the fewest for a 95 % interval",
      BB_INTO(comparison, request.repeats), .low = 1, .high = BB_SAMPLES_MAX - 1, .fallback = "6"},
@@ -293,15 +297,16 @@ const bb_command bb_command_run = {
     .details =
         "Three embree-native:... are added as reference rows unless one is among the builders.\n"
         "--cell takes the key of a measurement: `cell` of a build or trace in results.json.\n"
-        "--history appends the run when it is done, in one transaction; whether it can be written "
-        "is\n"
-        "found out before. Interrupted runs are appended too, and marked.\n"
+        "--history appends the run when it is done, in one transaction; before measuring, it "
+        "checks that\n"
+        "the database can be written. Interrupted runs are appended too, and marked.\n"
         "--shard deals the cells out by ray set, so that cells that are compared by ratios stay\n"
         "together; N shards have each cell once, and `bvhbench merge` makes one run of them:\n"
         "  parallel -j 1 bvhbench run --shard {}/4 --out out/{} ::: 1 2 3 4; bvhbench merge "
         "out/[1-4]\n"
-        "On a GPU a set has at least 1,048,576 rays (least=N of those that are made of pictures),\n"
-        "unless --size or --max-rays says otherwise.\n"
+        "On a GPU a set has at least 1,048,576 rays (by least=N for rays that start from "
+        "pictures), unless\n"
+        "--size or --max-rays is given.\n"
         "2 to 5 --repeats give a range instead of an interval, 1 gives neither.\n"
         "A comma starts a new item of a list unless what follows it is key=value.\n"
         "Exit status 1: a cell with the intersector `exact` has more wrong answers than\n"

@@ -22,19 +22,21 @@ typedef struct job {
 static const bb_cli_option options[] = {
     {"scene", "S", "mesh of tetrahedra: a file (.node, .ele, .msh, .mesh, .vtk) or `tets:side=N`",
      BB_INTO_EACH(job, scenes), .needed = true},
-    {"builder", "B", "default: what builders name for it, see below", BB_INTO(job, builders)},
+    {"builder", "B", "builders; default: the variants that they declare for it, see below",
+     BB_INTO(job, builders)},
     BB_SEARCH_OPTION(job, searches, ""),
-    {"no-tree", NULL, "also by all tetrahedra, one after the other, which others are compared with",
+    {"no-tree", NULL, "also test all tetrahedra without a tree, and compare the others with that",
      BB_INTO(job, request.without)},
     {"paper", NULL, "the paper's settings", BB_INTO(job, paper),
      .presets = (const char *const[]){"slices", "1", "size", "999x999", "repeats", "50", NULL}},
-    {"axis", NULL, "across the slices", BB_INTO(job, request.plan.axis), .words = "x|y|z",
+    {"axis", NULL, "the axis across the slices", BB_INTO(job, request.plan.axis), .words = "x|y|z",
      .fallback = "z"},
     {"size", "WxH", "voxels of a slice, along the two other axes",
      BB_INTO_SIZE(job, request.plan.width), .fallback = "256x256"},
-    {"slices", "N", "one on the other, about the middle", BB_INTO(job, request.plan.count),
+    {"slices", "N", "number of slices, stacked about the middle", BB_INTO(job, request.plan.count),
      .low = 1, .high = 4096, .fallback = "8"},
-    {"thickness", "X", "of a slice, in scene units; default: so that they fill the mesh's box",
+    {"thickness", "X",
+     "thickness of a slice in scene units; default: the slices fill the mesh's box",
      BB_INTO(job, request.plan.thickness), .high = 1e30},
     {"repeats", "N", "measured rounds", BB_INTO(job, request.repeats), .low = 1,
      .high = BB_SAMPLES_MAX - 1, .fallback = "10"},
@@ -118,18 +120,18 @@ static void release(void *values)
 extern const bb_command bb_command_slice;
 const bb_command bb_command_slice = {
     .name = "slice",
-    .summary = "slices of a mesh of tetrahedra, filled as a printer would",
+    .summary = "fill slices of a mesh of tetrahedra as a 3D printer would",
     .details =
-        "Cuts the mesh's box into slices of voxels. Material is in each voxel that a tetrahedron "
-        "touches;\n"
-        "its value is the field of the one that holds the centre, or that of the nearest, "
+        "Cuts the mesh's box into slices of voxels. A voxel has material if a tetrahedron touches\n"
+        "it. Its value is the field of the tetrahedron that holds its centre, or of the nearest, "
         "continued.\n"
-        "Each builder with each search, against the first of them or against no tree.\n"
-        "PNG: values by colour, black without material. EXR: Y the value, A 1 inside, 0.5 beside, "
-        "0 empty.\n"
-        "Exit status 1: a voxel differs from the first way's (of a mesh that overlaps itself, "
-        "values "
-        "may).",
+        "Each builder is measured with each search, and compared with the first of these or with "
+        "no tree.\n"
+        "PNG: values by colour, black without material. EXR: Y is the value; A is 1 inside, 0.5 "
+        "beside, 0\n"
+        "empty. Exit status 1: a voxel differs from the first one's (if a mesh overlaps itself, "
+        "values may\n"
+        "differ).",
     .more_help = bb_print_mesh_builders,
     .options = options,
     .bytes = sizeof(job),

@@ -28,16 +28,18 @@ typedef struct wanted {
 static const bb_cli_option options[] = {
     {"axis", "A", "an axis of `list axes`, or a file with one", BB_INTO(wanted, axes),
      .fallback = "all"},
-    {"builder", "B", "name:key=value,...; `all`; default: all, and Embree's own trees",
+    {"builder", "B",
+     "builder with parameters, name:key=value,..., or `all`; default: all, and Embree's own trees",
      BB_INTO(wanted, builders)},
     {"kernel", "K", "kernel; default: all", BB_INTO(wanted, kernels)},
     {"intersector", "I", "intersection tests; default: all", BB_INTO(wanted, intersectors)},
     {"quick", NULL,
-     "minutes: small scenes, few rays and values; judges no times, misses what is rare",
+     "take minutes: small scenes, few rays and values; times are not judged, rare failures are "
+     "missed",
      BB_INTO(wanted, request.quick)},
-    {"limit", "SECONDS", "what takes longer, for one value of an axis, hangs",
+    {"limit", "SECONDS", "a method that takes longer for one value of an axis counts as a hang",
      BB_INTO(wanted, seconds), .low = 1, .high = 86400, .fallback = "120"},
-    {"memory", "MIB", "what takes more floods the memory",
+    {"memory", "MIB", "a method that takes more counts as a flood of memory",
      BB_INTO(wanted, request.limits.megabytes), .low = 64, .high = 1u << 30, .fallback = "8192"},
     BB_GROUP(bb_device_options, wanted, device),
     BB_SEED_OPTION(wanted, request.seed),
@@ -210,14 +212,16 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
 extern const bb_command bb_command_stress;
 const bb_command bb_command_stress = {
     .name = "stress",
-    .summary = "where methods fail: thresholds of builders, kernels and intersectors",
+    .summary = "find where builders, kernels and intersectors begin to fail",
     .details =
-        "Each axis has one parameter that drives methods into a failure; where it begins, for "
-        "each\n"
-        "method, is found by bisection: wrong answers, a refusal, twice its own time, tests or\n"
-        "memory. Given any of --builder, --kernel and --intersector, only those are tried.\n"
-        "Each value is measured in a process of its own, and kept in DIR/points: the same command\n"
-        "goes on where it was cut off. Remove that folder to measure anew.\n"
+        "Each axis has one parameter that drives methods into a failure. Bisection finds the value "
+        "at which\n"
+        "each method begins to fail: wrong answers, a refusal, twice its own time, tests or "
+        "memory. If\n"
+        "--builder, --kernel or --intersector is given, only those are tried.\n"
+        "Each value is measured in a process of its own and kept in DIR/points, so that the same "
+        "command\n"
+        "continues after an interruption. Remove that folder to measure anew.\n"
         "Exit status 1: a crash, a hang, a flood of memory, a failure, no verdict, or wrong\n"
         "answers of what must be exact.",
     .options = options,

@@ -29,32 +29,32 @@ static const bb_cli_option options[] = {
      "(.node, .ele, .msh, .mesh, .vtk) or `tets:side=N`",
      BB_INTO_EACH(job, scenes), .needed = true},
     {"transfer", "T",
-     "transfer function: of `list transfers`, or a file; several follow each other; default: the "
-     "scene's; of a mesh, ramp",
+     "transfer function: one of `list transfers`, or a file; default: the scene's, for a mesh ramp",
      BB_INTO(job, transfers)},
-    {"builder", "B", "default: what builders name for it, see below", BB_INTO(job, builders)},
-    {"kernel", "K", "of a volume", BB_INTO(job, kernels), .fallback = "stack,stack8"},
-    BB_SEARCH_OPTION(job, searches, "of a mesh, how samples are found: "),
+    {"builder", "B", "builders; default: the variants that they declare for it, see below",
+     BB_INTO(job, builders)},
+    {"kernel", "K", "kernels for volumes", BB_INTO(job, kernels), .fallback = "stack,stack8"},
+    BB_SEARCH_OPTION(job, searches, "how samples are found in a mesh: "),
     {"view", "V", "view of the scene; default: all", BB_INTO(job, request.view), .apart = "turns"},
     {"turns", "N",
-     "instead: the volume turned about each axis by N times 2 degrees, in parallel projection",
+     "instead of views, turn the volume about each axis by N times 2 degrees, in parallel "
+     "projection",
      BB_INTO(job, turns), .low = 1, .high = 180},
     {"paper", NULL,
-     "the papers' settings as defaults: --turns 180 --size 2160x2160 --repeats 50; of a mesh "
-     "--size 1024x1024 --repeats 50",
+     "the papers' settings: --turns 180 --size 2160x2160, for a mesh --size 1024x1024",
      BB_INTO(job, paper), .presets = (const char *const[]){"repeats", "50", NULL}},
-    {"size", "WxH", "of a picture; default: 256x256", BB_INTO_SIZE(job, width)},
-    {"step", "X", "distance of samples, in voxels; of a mesh in 1/128 of its longest side",
+    {"size", "WxH", "size of a picture; default: 256x256", BB_INTO_SIZE(job, width)},
+    {"step", "X", "distance of samples, in voxels; in a mesh, in 1/128 of its longest side",
      BB_INTO(job, request.step), .low = 1e-3, .high = 1e3, .fallback = "0.5"},
-    {"cutoff", "X", "a ray ends where less than this is left of the light behind; 0: never",
+    {"cutoff", "X", "a ray ends where less than this share of the light behind is left; 0: never",
      BB_INTO(job, request.cutoff), .high = 1, .fallback = "0"},
-    {"steps", "LIST", "for the accuracy: steps in voxels; none: not", BB_INTO(job, steps),
-     .fallback = "4,2,1,0.5,0.25"},
+    {"steps", "LIST", "distances of samples for which the accuracy is measured; none: it is not",
+     BB_INTO(job, steps), .fallback = "4,2,1,0.5,0.25"},
     {"repeats", "N", "measured rounds", BB_INTO(job, request.repeats), .low = 1,
      .high = BB_SAMPLES_MAX - 1, .fallback = "10"},
     BB_SEED_OPTION(job, request.seed),
     {"brief", NULL,
-     "less: by default no builders that take long on meshes; no trees, phases and legends",
+     "show less: no trees, phases and legends; by default no builders that take long on meshes",
      BB_INTO(job, brief)},
     BB_GROUP(bb_contest_options, job, choice),
     {"out", "DIR", "folder for volume.json, volume.html and PNG pictures; default: none",
@@ -231,15 +231,15 @@ static void release(void *values)
 extern const bb_command bb_command_volume;
 const bb_command bb_command_volume = {
     .name = "volume",
-    .summary = "pictures of volumes and tetrahedra: builders and kernels against each other",
-    .details =
-        "Of each volume and each transfer function: build, layout and picture of each "
-        "builder with\n"
-        "each kernel, in turns with the march without a tree, and whether the pictures are "
-        "the same;\n"
-        "then how far pictures are from converged ones, by the distance of samples.\n"
-        "Of a mesh of tetrahedra: each builder with each search, against the first of them.\n"
-        "Exit status 1: a picture differs from the one without a tree, or from the first.",
+    .summary = "compare builders and kernels on pictures of volumes and of tetrahedra",
+    .details = "For each volume and each transfer function, builds, layouts and pictures of each "
+               "builder with each\n"
+               "kernel are timed in turns with the march without a tree, and the pictures are "
+               "compared. Then the\n"
+               "error against converged pictures is shown by the distance of samples.\n"
+               "On a mesh of tetrahedra, each builder with each search is compared with the "
+               "first of these.\n"
+               "Exit status 1: a picture differs from the one without a tree, or from the first.",
     .more_help = bb_print_volume_builders,
     .options = options,
     .bytes = sizeof(job),

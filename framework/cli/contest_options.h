@@ -34,24 +34,25 @@ typedef enum bb_contest_kind { BB_OF_VOLUMES, BB_OF_MESHES, BB_OF_MESHES_BRIEFLY
 /* Completes --builder; the default: the variants that builders declare for this kind. */
 bb_status bb_choose_tree_builders(bb_names *builders, bb_contest_kind kind);
 
-/* The defaults as lines of help. */
+/* Print the default builders as lines of help. */
 void bb_print_volume_builders(FILE *out);
 void bb_print_mesh_builders(FILE *out);
 
-/* A document of this schema with revision and device, and its list of results, which is in it.
- * False: no memory, and there is no document. */
+/* Makes a document of this schema with revision, device and an empty list of results, which it
+ * owns. Returns false without memory; *document is NULL then. */
 bool bb_contest_document(const char *schema, const bb_device *device, cJSON **document,
                          cJSON **results);
 
-/* Whether a result is to be printed as text, before it is added to the list (NULL: it is the only
- * one). Before the first one it prints the device's name. */
+/* Returns whether a result, which is not yet in the list, is to be printed as text. Prints the
+ * device's name before the first one. */
 bool bb_contest_prints(const bb_contest_choice *choice, const bb_device *device,
                        const cJSON *results);
 
-/* Adds a result (NULL: no memory) to the list, with the names of its pictures; takes both over. */
+/* Adds a result (NULL: no memory) to the list, with the names of its pictures. Takes ownership of
+ * both. */
 bb_status bb_contest_add(cJSON *results, cJSON *result, cJSON *files);
 
-/* Such as bb_report_animate(). */
+/* Writes a page, as bb_report_animate() does. */
 typedef bb_status bb_page_writer(const cJSON *document, const char *folder, const char *path);
 
 /* Prints the document if --json was given, and writes NAME.json and, by `page`, NAME.html into the
@@ -59,12 +60,12 @@ typedef bb_status bb_page_writer(const cJSON *document, const char *folder, cons
 bb_status bb_contest_write(const bb_contest_choice *choice, const cJSON *document, const char *name,
                            bb_page_writer *page);
 
-/* What commands begin with: plug-ins, names of scenes (bb_check_scene()), the folder --out, if
- * there is to be one. */
+/* Begins a command: loads plug-ins, checks the names of scenes (bb_check_scene()) and makes the
+ * folder --out, if it is given. */
 bb_status bb_contest_begin(const bb_contest_choice *choice, char *const *scenes, size_t count);
 
-/* What they end with: of the status of the work, whether answers differ, and whether it was
- * interrupted. */
+/* Ends a command: sets the exit status from the status of the work, from `wrong` (answers differ),
+ * and from an interruption. */
 bb_status bb_contest_end(bb_status status, bool wrong, int *exit_status);
 
 #endif

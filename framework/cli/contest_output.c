@@ -81,7 +81,7 @@ static bb_status print_json(const bb_table *table)
     return BB_OK;
 }
 
-/* Nothing, if nothing was measured. */
+/* Writes all output, unless nothing was measured. */
 static bb_status write_all(bb_contest_output *output)
 {
     if (output->table == NULL || bb_table_row_count(output->table) <= 1)

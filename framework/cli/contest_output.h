@@ -1,5 +1,5 @@
-/* What `volume`, `slice` and `overlap` do with their results: a table, which is printed scene by
- * scene, and written as a file and as a page. */
+/* Output of `volume`, `slice` and `overlap`: a table that is printed scene by scene, and written as
+ * a file and as a page. */
 #ifndef BB_CONTEST_OUTPUT_H
 #define BB_CONTEST_OUTPUT_H
 
@@ -11,22 +11,22 @@
 
 typedef struct bb_contest_output {
     const bb_page_outline *outline;
-    const bb_page_outline *printed; /* instead, on the terminal; NULL: the same */
+    const bb_page_outline *printed; /* outline for the terminal; NULL: the same */
     const bb_contest_choice *choice;
     const char *command_line;
     bb_table *table;
     bool begun; /* a scene was printed */
 } bb_contest_output;
 
-/* Makes the table, with what belongs to the whole run: its first row. */
+/* Makes the table with its first row, which describes the run. */
 bb_status bb_contest_output_begin(bb_contest_output *output, const bb_device *device,
                                   uint64_t seed);
 
-/* Makes a scene's name one that the table does not have: "cube (2)". */
+/* Makes a scene's name unique in the table: "cube (2)". */
 void bb_contest_output_name(const bb_contest_output *output, char *name, size_t capacity);
 
-/* Prints the scene of the table's last row, and before the first one the device, unless JSON is to
- * be printed. */
+/* Prints the scene of the table's last row, and the device before the first scene. Prints nothing
+ * with --json. */
 bb_status bb_contest_output_scene(bb_contest_output *output);
 
 /* Prints JSON and writes NAME.json and NAME.html, which keep what was measured before `status`, a

@@ -8,7 +8,7 @@
 #include <sys/stat.h>
 #include <time.h>
 
-/* The results last: where the others cannot be moved, they are where they were. */
+/* Files that are moved. The results are last: if another file cannot be moved, they stay. */
 static const char *const moved[] = {"report.html", "tables.txt", "report-charts", "results.json"};
 
 static bb_status make(const char *path)
@@ -19,7 +19,7 @@ static bb_status make(const char *path)
                    strerror(errno));
 }
 
-/* FOLDER/earlier/20260102-030405, or with -2, -3 ... behind it. */
+/* Makes FOLDER/earlier/20260102-030405, or the same with -2, -3 and so on at the end. */
 static bb_status make_place(const char *folder, time_t written, char place[PATH_MAX])
 {
     char parent[PATH_MAX], name[64];

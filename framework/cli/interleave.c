@@ -19,7 +19,7 @@
 
 /* ---- one program, once ---- */
 
-/* In the child. It ends when we end, and what it prints is nobody's. */
+/* Runs the program in the child process, which ends with its parent. Its output is discarded. */
 static void become(char *const *arguments, const char *log)
 {
     prctl(PR_SET_PDEATHSIG, SIGTERM);
@@ -33,7 +33,7 @@ static void become(char *const *arguments, const char *log)
     _exit(127);
 }
 
-/* Signals that reach us alone are passed on. */
+/* Waits for the child. Passes on a signal that only the parent got. */
 static int wait_for(pid_t child)
 {
     int status = 0;
@@ -45,7 +45,7 @@ static int wait_for(pid_t child)
     return status;
 }
 
-/* The last line that the program wrote to standard error. */
+/* Reads the last line that the program wrote to standard error. */
 static void last_line(const char *log, char *line, size_t capacity)
 {
     char text[1024];
@@ -60,7 +60,7 @@ static void last_line(const char *log, char *line, size_t capacity)
         fclose(file);
 }
 
-/* 1 is the status of a run that found wrong answers: it is a run. */
+/* Checks the exit status. A run that found wrong answers exits with 1 and still counts. */
 static bb_status check_end(const char *program, int status, const char *log)
 {
     char line[600];

@@ -47,7 +47,7 @@ bb_status bb_names_add_item(bb_names *names, const char *item)
 
 typedef bb_status adder(bb_names *names);
 
-/* Names that cells have, and others. */
+/* Room for a name: those that a cell has, and other names. */
 typedef struct spelt {
     bb_cell_parts cell;
     char other[BB_CELL_TEXT];
@@ -56,10 +56,10 @@ typedef struct spelt {
 typedef struct list {
     const char *option;
     adder *add_all;
-    size_t place; /* of such a name in `spelt` */
+    size_t place; /* offset of such a name in `spelt` */
 } list;
 
-/* The spelling by which two names are compared: that of a cell's key. */
+/* Returns the spelling by which names are compared: that of a cell's key. */
 static bb_status respell(const list *l, const char *item, char **spelling)
 {
     spelt *all = calloc(1, sizeof *all);
@@ -73,7 +73,7 @@ static bb_status respell(const list *l, const char *item, char **spelling)
     return *spelling != NULL ? BB_OK : bb_fail(BB_FAILED, "out of memory");
 }
 
-/* Rows that no one can tell apart; in results their keys would be one. */
+/* Refuses names that are the same: their keys in the results would be equal. */
 static bb_status refuse_twins(const list *l, const bb_names *names)
 {
     char *spellings[BB_NAMES_MAX] = {NULL};
@@ -121,7 +121,8 @@ bb_status bb_add_shipped_scenes(bb_names *names)
     return BB_OK;
 }
 
-/* A folder that is not there would give way to the scenes that are shipped, without a word. */
+/* Refuses a missing BVHBENCH_SCENES, in place of which the shipped scenes would be taken silently.
+ */
 static bb_status check_scene_folder(void)
 {
     const char *folder = getenv("BVHBENCH_SCENES");
@@ -166,7 +167,7 @@ bb_status bb_choose_scenes(bb_names *names, adder *add_all)
 
 /* ---- builders ---- */
 
-/* By its name; a splitter or an optimiser beside a builder. */
+/* Adds a builder by its name, and a splitter or an optimiser beside a default builder. */
 static bb_status add_builder(bb_names *names, const bb_builder *builder)
 {
     char whole[sizeof((bb_pipeline *)NULL)->text];

@@ -11,8 +11,8 @@ bb_status bb_names_add(bb_names *names, const char *list);
 /* Appends the variants that builders have in a role (base/variants.h). */
 bb_status bb_names_add_role(bb_names *names, const char *role);
 
-/* Each of these completes a list from the command line: `all` becomes the names that there are, an
- * empty list the default. BB_INVALID: a name is given twice, also in two spellings. */
+/* Each of these functions completes a list from the command line: `all` is replaced by all names,
+ * an empty list by the default. BB_INVALID: a name is given twice, perhaps in two spellings. */
 
 /* --scene: `all` and the default are the names that `add_all` adds. */
 bb_status bb_choose_scenes(bb_names *names, bb_status (*add_all)(bb_names *names));

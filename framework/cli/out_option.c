@@ -11,12 +11,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* What was made: the folder, and those around it whose paths are longer than the one that was
- * there. A command writes to one place. */
+/* The output folder, if it was made. It and its parents whose paths are longer than `there` are
+ * new. A command has one output folder. */
 static char made[PATH_MAX];
 static size_t there;
 
-/* mkdir(2) of the first `length` letters; what is there already is no failure. */
+/* Makes the folder of the first `length` characters, unless it exists. */
 static bb_status make_first(const char *path, size_t length)
 {
     char part[PATH_MAX];

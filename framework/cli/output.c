@@ -16,7 +16,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* Where a run's files go. */
+/* Paths of a run's files. */
 typedef struct places {
     char json[1100], html[1100], tables[1100], pictures[1100];
 } places;
@@ -59,7 +59,7 @@ static void keep_first(failure *first, bb_status status)
     snprintf(first->reason, sizeof first->reason, "%s", bb_message());
 }
 
-/* Page and charts, all that can be; the first failure is returned. */
+/* Writes as much of page and charts as possible, and returns the first failure. */
 static bb_status write_views(const bb_comparison *c, bb_results *results, const places *p,
                              uint32_t *charts)
 {
@@ -86,8 +86,7 @@ static bb_status set_totals(bb_results *results, bb_bench_outcome *outcome)
     return bb_results_add_audit(results, audit);
 }
 
-/* On standard output the answer, and where all else is: last, so that it is what stays on the
- * screen. */
+/* Prints the answer and the paths of all files. This comes last, so that it stays on the screen. */
 static bb_status print(const bb_comparison *c, bb_results *results, const places *p,
                        uint32_t charts)
 {
@@ -120,7 +119,8 @@ bb_status bb_output_append_table(const char *database, const bb_table *table)
     return status;
 }
 
-/* After the results: what can't be appended now can be later. */
+/* Appends the run to the history. The results are written before, so that they can be appended
+ * later if this fails. */
 static bb_status append_history(const bb_comparison *c, const bb_results *results, const char *json)
 {
     bb_status status = c->history != NULL ? bb_output_append(c->history, results) : BB_OK;
@@ -131,8 +131,8 @@ static bb_status append_history(const bb_comparison *c, const bb_results *result
                                      bb_message(), json, c->folder, c->history);
 }
 
-/* The file first: it is what must not be lost. It is written again with the time that the page and
- * the charts took. */
+/* Writes the results first, since they must not be lost, and again with the time that page and
+ * charts took. */
 static bb_status write_files(const bb_comparison *c, bb_results *results,
                              const bb_bench_times *times, const places *p, uint32_t *charts)
 {
@@ -161,7 +161,7 @@ static bb_status write_files(const bb_comparison *c, bb_results *results,
     return first.status == BB_OK ? BB_OK : bb_fail(first.status, "%s", first.reason);
 }
 
-/* Whatever cannot be written, the answer is printed. */
+/* Writes all files and prints the answer, even if a file cannot be written. */
 static bb_status write_all(const bb_comparison *c, bb_results *results, bb_bench_outcome *outcome)
 {
     places p;
@@ -175,7 +175,7 @@ static bb_status write_all(const bb_comparison *c, bb_results *results, bb_bench
     return first.status != BB_OK ? bb_fail(first.status, "%s", first.reason) : printed;
 }
 
-/* A line each; true if anything is wrong. */
+/* Says in one line each what is wrong. Returns true if anything is. */
 static bool blame(const bb_bench_outcome *outcome)
 {
     const bb_audit *audit = &outcome->audit;
@@ -202,8 +202,8 @@ static bool blame(const bb_bench_outcome *outcome)
            audit->complaints > 0;
 }
 
-/* Returns `status` with its message, which then says where what was measured lies, if anything
- * was. */
+/* Keeps what was measured before a failure. Returns `status`; the message then says where the
+ * measurements are. */
 static bb_status keep(bb_results *results, const bb_comparison *c, bb_status status)
 {
     char json[1100];
@@ -233,7 +233,7 @@ static bb_status compare(const bb_comparison *c, bb_device *device, int *exit_st
     bb_compiling compiling;
     bb_programs_measure(device, &compiling);
     (void)bb_results_set_compiling(results, &compiling);
-    if (bb_interrupted()) { /* whatever failed on the way: a signal makes compilers fail */
+    if (bb_interrupted()) { /* even if something failed: a signal makes compilers fail */
         *exit_status = BB_EXIT_INTERRUPTED;
         status = bb_results_set_interrupted(results);
         if (status == BB_OK && !measured) {
@@ -251,7 +251,7 @@ static bb_status compare(const bb_comparison *c, bb_device *device, int *exit_st
     return status;
 }
 
-/* A history that can't be written is found out before the work. */
+/* Finds out before the work whether the history can be written. */
 static bb_status try_history(const char *path)
 {
     bb_history *history = NULL;
@@ -263,7 +263,7 @@ static bb_status try_history(const char *path)
 bb_status bb_output_compare(const bb_comparison *comparison, int *exit_status)
 {
     bb_device *device = NULL;
-    BB_TRY(bb_out_folder(comparison->folder)); /* which the history may lie in */
+    BB_TRY(bb_out_folder(comparison->folder)); /* the history may be in this folder */
     BB_TRY(try_history(comparison->history));
     bb_interrupt_catch();
     bb_status status = bb_open_device(comparison->device, &device);

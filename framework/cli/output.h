@@ -1,5 +1,4 @@
-/* A comparison from an open device to the folder that it leaves: results.json, report.html and
- * pictures. */
+/* Runs a comparison and writes its folder: results.json, report.html and pictures. */
 #ifndef BB_OUTPUT_H
 #define BB_OUTPUT_H
 
@@ -14,22 +13,21 @@ typedef struct bb_comparison {
     const char *folder;
     const char *history; /* database to which the run is appended; NULL: none */
     const char *shard;   /* "2/8"; NULL: all cells */
-    uint64_t shard_of;   /* hash of what all shards of the run are asked for */
+    uint64_t shard_of;   /* hash of the request, which all shards of the run share */
     uint64_t seed;
     uint32_t charts; /* after bb_charts_decide() */
-    bool quiet;      /* does not say on standard error what was written */
+    bool quiet;      /* do not report what was written */
     /* Does the work of `request` on the device. */
     bb_status (*compare)(void *request, bb_device *device, bb_results *results,
                          bb_bench_outcome *outcome);
     void *request;
-    bb_status (*print)(const bb_results *results, FILE *out); /* the text on standard output */
+    bb_status (*print)(const bb_results *results, FILE *out); /* prints the answer */
 } bb_comparison;
 
 /* Makes the folder, tries to write the history, opens the device, compares, writes results.json and
  * report.html, draws the charts, appends to the history, prints, and says on standard error what is
- * wrong: then *exit_status is BB_EXIT_WRONG. Of a comparison that could not be finished, what was
- * measured is kept, and the message says where. A chart that can't be drawn is said when all else
- * is done. */
+ * wrong; *exit_status is BB_EXIT_WRONG then. If the comparison fails, what was measured is kept,
+ * and the message says where. A chart that cannot be drawn is reported when all else is done. */
 bb_status bb_output_compare(const bb_comparison *comparison, int *exit_status);
 
 /* Appends the run to the database, which is made if there is none. */

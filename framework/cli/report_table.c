@@ -31,7 +31,7 @@ static bb_status print_csv(const bb_table *table)
     return BB_OK;
 }
 
-/* COMMAND.html in the folder, unless there is a name. */
+/* Writes the page to `out`, or to COMMAND.html in the folder if `out` is NULL. */
 static bb_status write_page(const bb_page *page, const bb_table *table, const char *folder,
                             const char *out, bool said)
 {

@@ -1,4 +1,4 @@
-/* What `report` makes of the table of a command: text, Markdown, CSV, a page. */
+/* Reports the table of a command as text, Markdown, CSV or a page, for `bvhbench report`. */
 #ifndef BB_REPORT_TABLE_H
 #define BB_REPORT_TABLE_H
 
@@ -13,7 +13,7 @@ typedef enum bb_table_form {
 
 /* Prints the table at `path` in this form. Writes the page to `out`, if it is not NULL; for
  * BB_TABLE_PAGE it is COMMAND.html beside the table then. BB_UNSUPPORTED: the table's command has
- * no page; CSV goes for all. */
+ * no page; only CSV works for all tables. */
 bb_status bb_report_table_file(const char *path, bb_table_form form, const char *out);
 
 #endif

@@ -4,10 +4,11 @@
 
 #include "framework/bench/bench.h"
 
-/* Parts of a run at most. */
+/* Most parts of a run. */
 enum { BB_SHARDS_MAX = 100000 };
 
-/* "2/8". BB_INVALID, with `what`, if it is not I/N with 1 <= I <= N. */
+/* Reads a shard, such as "2/8". BB_INVALID if it is not I/N with 1 <= I <= N; the message begins
+ * with `what`. */
 bb_status bb_shard_parse(const char *text, const char *what, bb_shard *shard);
 
 #endif

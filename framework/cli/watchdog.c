@@ -11,15 +11,16 @@
 
 static char words[2048];
 static size_t length;
-static double end_ms; /* of the time that counts */
+static double end_ms; /* when the time is over, by counted_ms() */
 
-/* What has passed since some time long ago, without what does not count. */
+/* Returns a clock that stands still during time that does not count. */
 static double counted_ms(void)
 {
     return bb_wall_ms() - bb_uncounted_ms();
 }
 
-/* On any thread, whatever the others are at: only what is safe in a signal handler. */
+/* Prints the last words and ends the program. It may interrupt any thread, so it only calls what is
+ * safe in a signal handler. */
 static void give_up(int signal_number)
 {
     (void)signal_number;
