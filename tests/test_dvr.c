@@ -242,6 +242,21 @@ static void what_was_measured_is_kept(void **state)
     bb_table_free(table);
 }
 
+static void steps_that_nearly_agree_are_two(void **state)
+{
+    (void)state;
+    bb_table *table =
+        printed_table(run("volume --scene nbody:n=34 --builder vlbvh --kernel stack --size 8x8 "
+                          "--steps 1.0000002,1.0000001 --repeats 1 --json"));
+    const char *scene = bb_table_name(table, 1, BB_SCENE);
+    static const char *const steps[] = {"step 1.0000002", "step 1.0000001"};
+    for (int i = 0; i < 2; i++) {
+        const bb_cell cell = {{[BB_SCENE] = scene, [BB_QUESTION] = steps[i]}};
+        assert_true(number(table, cell, "step") == (i == 0 ? 1.0000002 : 1.0000001));
+    }
+    bb_table_free(table);
+}
+
 /* A path as a generator's parameter, and a file that is called as a generator is. */
 static void names_and_paths_are_told_apart(void **state)
 {
@@ -300,6 +315,7 @@ int main(void)
         cmocka_unit_test(meshes_are_compared),
         cmocka_unit_test(ways_that_cannot_say_so),
         cmocka_unit_test(what_was_measured_is_kept),
+        cmocka_unit_test(steps_that_nearly_agree_are_two),
         cmocka_unit_test(names_and_paths_are_told_apart),
         cmocka_unit_test(the_paper_turns_the_volume),
         cmocka_unit_test(what_makes_no_sense_is_refused),

@@ -165,6 +165,32 @@ static void a_scene_may_be_there_twice(void **state)
     bb_table_free(table);
 }
 
+/* Scenes of one name that is no UTF-8, and builders whose names begin with the same 142 letters. */
+static void names_that_are_alike_are_two(void **state)
+{
+    (void)state;
+    static const char mesh[] =
+        "MeshVersionFormatted 1\nDimension 3\nVertices\n4\n0 0 0 0\n1 0 0 0\n"
+        "0 1 0 0\n0 0 1 0\nTetrahedra\n1\n1 2 3 4 0\nEnd\n";
+    char arguments[1024];
+    write_file("b\xff.mesh", mesh, sizeof mesh - 1);
+    snprintf(arguments, sizeof arguments,
+             "slice --scene b\xff.mesh --scene b\xff.mesh --builder olbvh:alpha=%0130d,"
+             "olbvh:alpha=%0130d --search skip --slices 1 --size 4x4 --repeats 1 --out alike",
+             1, 2);
+    assert_int_equal(run(arguments)->exit_status, 0);
+    bb_table *table = read_table("alike/slice.json");
+    uint32_t ways[2] = {0, 0};
+    for (uint32_t row = 0; row < bb_table_row_count(table); row++)
+        for (int s = 0; s < 2; s++)
+            ways[s] += strcmp(bb_table_name(table, row, BB_SCENE),
+                              s == 0 ? "b%FF.mesh" : "b%FF.mesh (2)") == 0 &&
+                       bb_table_name(table, row, BB_INTERSECTOR)[0] != '\0';
+    assert_int_equal(ways[0], 2);
+    assert_int_equal(ways[1], 2);
+    bb_table_free(table);
+}
+
 static void what_cannot_be_is_said_in_one_line(void **state)
 {
     (void)state;
@@ -198,6 +224,7 @@ int main(void)
         cmocka_unit_test(overlaps_are_compared_and_drawn),
         cmocka_unit_test(a_mesh_overlaps_itself),
         cmocka_unit_test(a_scene_may_be_there_twice),
+        cmocka_unit_test(names_that_are_alike_are_two),
         cmocka_unit_test(what_cannot_be_is_said_in_one_line),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);

@@ -14,8 +14,8 @@ static void fill(bb_table *table, const char *scene, made_up m)
 {
     bb_contest_way *way = calloc(1, sizeof *way);
     assert_non_null(way);
-    snprintf(way->builder, sizeof way->builder, "%s", m.builder);
-    snprintf(way->search, sizeof way->search, "%s", m.search);
+    way->builder = m.builder;
+    way->search = m.search;
     add_rounds(&way->answer, m.answer);
     if (m.build > 0)
         add_rounds(&way->build, m.build);
@@ -107,8 +107,8 @@ static void add_volume(bb_table *table, const char *scene, volume v)
     for (int w = 0; w < 2; w++) {
         bb_samples all = {.count = 0};
         fill(table, scene, ways[w]);
-        snprintf(way.builder, sizeof way.builder, "%s", ways[w].builder);
-        snprintf(way.search, sizeof way.search, "%s", ways[w].search);
+        way.builder = ways[w].builder;
+        way.search = ways[w].search;
         add_rounds(&all, w == 0 ? 100 : v.frame);
         bb_table_set_rounds(table, bb_contest_row(table, scene, &way), &frame, &all);
     }

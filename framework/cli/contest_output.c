@@ -20,18 +20,11 @@ bb_status bb_contest_output_begin(bb_contest_output *output, const bb_device *de
     return bb_table_status(output->table);
 }
 
-static bool has_scene(const bb_table *table, const char *name)
-{
-    for (uint32_t row = 0; row < bb_table_row_count(table); row++)
-        if (strcmp(bb_table_name(table, row, BB_SCENE), name) == 0)
-            return true;
-    return false;
-}
-
 void bb_contest_output_name(const bb_contest_output *output, char *name, size_t capacity)
 {
     const size_t length = strnlen(name, capacity - 16);
-    for (unsigned n = 2; has_scene(output->table, name); n++)
+    const bb_cell cell = {{[BB_SCENE] = name}};
+    for (unsigned n = 2; bb_table_find(output->table, cell) != BB_NO_ROW; n++)
         snprintf(name + length, capacity - length, " (%u)", n);
 }
 

@@ -84,8 +84,8 @@ static bb_status make_entrant(bb_contest *c, uint32_t i)
     e->runners = &c->runners[first];
     for (uint32_t k = 0; k < request->search_count; k++) {
         bb_contest_way *way = &c->ways[first + k];
-        snprintf(way->builder, sizeof way->builder, "%s", request->builders[i]);
-        snprintf(way->search, sizeof way->search, "%s", request->searches[k]);
+        way->builder = request->builders[i];
+        way->search = request->searches[k];
         if (status != BB_OK)
             BB_TRY(note(way, status));
         else if (!c->task.blank)
@@ -106,8 +106,10 @@ static bb_status reserve(bb_contest *c)
     if (c->entrants == NULL || c->runners == NULL)
         return bb_fail(BB_REFUSED, "no memory for a comparison");
     memset(c->ways, 0, c->way_count * sizeof *c->ways);
-    for (uint32_t w = 0; w < c->way_count; w++)
+    for (uint32_t w = 0; w < c->way_count; w++) {
+        c->ways[w].builder = c->ways[w].search = "";
         c->runners[w].way = &c->ways[w];
+    }
     return BB_OK;
 }
 

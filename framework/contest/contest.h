@@ -22,8 +22,8 @@ typedef struct bb_contest_phase {
 /* A builder with a search, or no tree. Times in ms; of answers the mean over all questions, or
  * their sum, in each round. Of several scenes, sums. */
 typedef struct bb_contest_way {
-    char builder[128], search[96]; /* "": no tree */
-    char refused[320];             /* why there are no figures; "": there are */
+    const char *builder, *search; /* the request's; "": no tree */
+    char refused[320];            /* why there are no figures; "": there are */
     /* layout: with the transfer of a tree that was made on the host */
     bb_samples build, layout, answer, answer_cpu;
     uint32_t phase_count;
@@ -94,8 +94,8 @@ typedef struct bb_contest_request {
 
 typedef struct bb_contest bb_contest;
 
-/* Makes trees and layouts. `ways` (BB_CONTEST_WAYS_MAX) and the task outlive the contest; the task
- * gets its questions later. Owned by the caller. */
+/* Makes trees and layouts. `ways` (BB_CONTEST_WAYS_MAX) and the task outlive the contest, and the
+ * texts of the request the ways; the task gets its questions later. Owned by the caller. */
 bb_status bb_contest_create(const bb_contest_request *request, const bb_contest_task *task,
                             bb_contest_way *ways, uint32_t *way_count, bb_contest **out);
 void bb_contest_destroy(bb_contest *contest); /* NULL is allowed */

@@ -1,4 +1,5 @@
 /* A comparison as rows of a table, and what its page shows. */
+#include "framework/base/json.h"
 #include "framework/contest/contest_table.h"
 #include "framework/dvr/dvr.h"
 
@@ -86,7 +87,7 @@ const bb_page_outline bb_dvr_outline = {
         "samples per ray, of a mesh those in tetrahedra alone. largest difference: of a channel "
         "from the picture of the first way. Builders that do not read the volume itself get the "
         "boxes of what is seen, and find nothing out. Accuracy: errors are the differences from a "
-        "march with an eighth of the shortest step. *: the best, and those tied with it.",
+        "march with an eighth of the shortest step. Marked: the best, and those tied with it.",
 };
 
 const bb_page_outline bb_dvr_outline_briefly = {
@@ -151,8 +152,8 @@ static void fill_accuracy(const bb_dvr_result *r, bb_table *table)
 {
     for (uint32_t i = 0; i < r->error_count; i++) {
         const bb_dvr_error *error = &r->errors[i];
-        char question[48];
-        snprintf(question, sizeof question, "step %g", error->step);
+        char digits[BB_JSON_DIGITS], question[BB_JSON_DIGITS + 8];
+        snprintf(question, sizeof question, "step %s", bb_json_digits(digits, error->step));
         const uint32_t row = question_row(r, question, table);
         bb_table_set_number(table, row, &step, error->step);
         bb_table_set_number(table, row, &largest_error, error->most);
