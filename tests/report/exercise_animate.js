@@ -23,7 +23,7 @@ sections.forEach((section, number) => {
   });
   const others = result.methods.filter(m => m.method !== result.faster_than), faster = [...section.querySelectorAll('table.faster tbody tr')];
   expect(faster.length === others.length, 'a row for each other method');
-  expect(faster.every(row => [...row.querySelectorAll('td')].every(td => /^(any number|none|(below |above |and |to |[0-9.e]+ ?)+)$/.test(td.textContent))), 'faster');
+  expect(faster.every(row => [...row.querySelectorAll('td')].every(td => /^(any number|none|(below |above |and |to |[0-9.,e+]+ ?)+)$/.test(td.textContent))), 'faster');
   const strip = section.querySelector('.strip img');
   expect(strip !== null && strip.naturalWidth > strip.naturalHeight * 2 && strip.width > 250, 'a strip of pictures');
   expect(section.querySelectorAll('table.winners tbody tr').length === kinds.length, 'a row of winners for each kind of rays');
@@ -48,7 +48,7 @@ sections.forEach((section, number) => {
       const lowest = at.reduce((a, b) => (b.y < a.y ? b : a), { y: Infinity }), cell = cells[counts.indexOf(count)];
       expect(Math.abs(lowest.y / frame_ms - 1) < 1e-6 && lowest.label === method, `${count} ${kind}: ${lowest.label} in ${lowest.y} ms, not ${method} in ${frame_ms} ms`);
       const others = as_fast.length > 0 ? `; as fast: ${as_fast.join(', ')}` : '';
-      expect(cell === `${method}, ${kernel}: ${brief(frame_ms)} ms${others}`, `${count} ${kind}: '${cell}'`);
+      expect(cell === `${method}, ${kernel}: ${figure(frame_ms)} ms${others}`, `${count} ${kind}: '${cell}'`);
       winners++;
     }
   });

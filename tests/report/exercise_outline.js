@@ -29,6 +29,7 @@ const bars = charts.filter(chart => chart.config.type === 'bar'), lined = charts
 const points = lined.flatMap(chart => chart.data.datasets).flatMap(set => set.data);
 expect(bars.length === scenes.length && lined.length === 2 * studied, `${bars.length} + ${lined.length} charts`);
 expect(bars.reduce((sum, chart) => sum + chart.data.labels.length, 0) === ran.length, 'a bar for each way that ran');
+expect(bars.every(chart => chart.data.labels.every(name => /^[^,]/.test(name))), 'names of bars');
 expect(bars.every(chart => chart.data.datasets.length === 3 && chart.data.datasets[2].data.every(v => v > 0)), 'each answer took time');
 expect(points.length === 4 * steps.length && points.every(p => p.x > 0 && p.y > 0), `${points.length} points of ${steps.length} steps`);
 const pictures = [...document.querySelectorAll('img')];

@@ -26,6 +26,9 @@ expect(builders() === 'lbvh,sah' && heading.parentElement.getAttribute('aria-sor
 heading.click();
 expect(builders() === 'sah,lbvh' && heading.parentElement.getAttribute('aria-sort') === 'descending', `down: ${builders()}`);
 
+const alignment = entry => getComputedStyle(entry).textAlign;
+expect(alignment(heading.parentElement) === alignment(ways.querySelector('td.number')), 'a heading stands above its numbers');
+
 const charts = [...document.querySelectorAll('canvas')].map(canvas => Chart.getChart(canvas));
 expect(charts.length === 2 && charts[0].data.labels.join() === 'b' && charts[0].data.datasets[0].data.join() === '3', 'bars');
 expect(charts[1].data.datasets.length === 1 && charts[1].data.datasets[0].data.map(p => p.x * 100 + p.y).join() === '101,204,309,416', 'lines');

@@ -2,16 +2,9 @@
  * text of the figures goes through textContent. */
 const page = JSON.parse(document.getElementById('data').textContent);
 
-const theme = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const palette = ['#4e79a7', '#e15759', '#59a14f', '#f28e2b', '#b07aa1', '#76b7b2', '#9c755f', '#edc948', '#ff9da7', '#86868b'];
 const dashes = [[], [6, 3], [2, 2]];
 const ways = ['kept', 'updated', 'rebuilt'];
-
-function brief(value) {
-  if (!isNumber(value)) return dash;
-  const size = Math.abs(value);
-  return size !== 0 && (size < 0.001 || size >= 1e6) ? value.toExponential(1).replace('.0e', 'e').replace('e+', 'e') : String(Number(value.toPrecision(3)));
-}
 
 const rest = list => list.slice(1).filter(isNumber); /* the first frame is a build for all */
 const sum = list => list.reduce((a, b) => a + b, 0);
@@ -36,14 +29,15 @@ const whyNot = method => (method.failed ? 'FAILED: ' : '') + method.refused;
 
 /* A row for each of its kernels; what is the method's own stands beside all of them. */
 function methodRows(result, method) {
-  const number = (value, rowspan) => el('td', { class: 'number', rowspan }, brief(value));
+  const number = (value, rowspan, decimals) => el('td', { class: 'number', rowspan }, figure(value, decimals));
   const kinds = Object.keys(result.rays), sums = method.sums, kernels = method.kernels;
   if (method.update_ms.length < 2)
     return [el('tr', {}, el('th', { scope: 'row' }, method.method), el('td', { colspan: 11 + kinds.length, class: method.failed ? 'wrong' : '' }, whyNot(method)))];
   const n = kernels.length, wrong = sums.wrong > 0 || method.failed ? ' wrong' : '';
-  const own = [sums.update_ms, sums.worst_update_ms, sums.worst_frame, sums.sah_over_best, sums.sah_over_best_most, sums.drift_per_frame, method.most_bytes / 2 ** 20];
+  const own = [number(sums.update_ms, n), number(sums.worst_update_ms, n), number(sums.worst_frame, n, 0), number(sums.sah_over_best, n),
+               number(sums.sah_over_best_most, n), number(sums.drift_per_frame, n), number(method.most_bytes / 2 ** 20, n)];
   return kernels.map((k, i) => el('tr', {},
-    ...(i > 0 ? [] : [el('th', { scope: 'rowgroup', rowspan: n }, method.method), ...own.map(value => number(value, n)),
+    ...(i > 0 ? [] : [el('th', { scope: 'rowgroup', rowspan: n }, method.method), ...own,
                       el('td', { class: `ways${wrong}`, rowspan: n }, waysOf(method) + (method.refused ? `; then ${whyNot(method)}` : ''))]),
     el('td', {}, k.kernel), number(mean(rest(k.layout_ms)), 1), ...kinds.map(rays => number(sum(rest(result.rays[rays])) / sum(rest(k.rays_ms[rays])) / 1e3, 1)),
     el('td', { class: sum(k.wrong) > 0 ? 'number wrong' : 'number' }, String(sum(k.wrong)))));
@@ -60,15 +54,15 @@ function winnersTable(result) {
   const counts = [...new Set(result.winners.map(w => w.count))];
   const entry = (rays, count) => result.winners.find(w => w.rays === rays && w.count === count);
   const others = w => w.as_fast.length > 0 ? `; as fast: ${w.as_fast.join(', ')}` : '';
-  const cell = w => w ? el('td', {}, `${w.method}, ${w.kernel}: ${brief(w.frame_ms)} ms${others(w)}`) : el('td', {}, dash);
+  const cell = w => w ? el('td', {}, `${w.method}, ${w.kernel}: ${figure(w.frame_ms)} ms${others(w)}`) : el('td', {}, dash);
   return el('div', { class: 'scroll' }, el('table', { class: 'winners' },
-    el('thead', {}, el('tr', {}, el('th', { scope: 'col' }, 'Rays per frame'), ...counts.map(n => el('th', { scope: 'col' }, brief(n))))),
+    el('thead', {}, el('tr', {}, el('th', { scope: 'col' }, 'Rays per frame'), ...counts.map(n => el('th', { scope: 'col' }, figure(n, 0))))),
     el('tbody', {}, ...Object.keys(result.rays).map(rays => el('tr', {}, el('th', { scope: 'row' }, rays), ...counts.map(n => cell(entry(rays, n))))))));
 }
 
 function interval({ from, to }) {
-  if (from === 0) return to === null ? 'any number' : `below ${brief(to)}`;
-  return to === null ? `above ${brief(from)}` : `${brief(from)} to ${brief(to)}`;
+  if (from === 0) return to === null ? 'any number' : `below ${figure(to)}`;
+  return to === null ? `above ${figure(from)}` : `${figure(from)} to ${figure(to)}`;
 }
 
 function fasterTable(result) {
@@ -87,11 +81,6 @@ function card(id, title, note) {
             note ? el('figcaption', {}, note) : null);
 }
 
-const axisOf = (text, type) => ({
-  type, title: { display: true, text, color: theme('--text') }, grid: { color: theme('--line') },
-  ticks: { color: theme('--muted'), maxTicksLimit: 8, callback: type === 'logarithmic' ? v => brief(v) : undefined },
-});
-
 /* A curve per method: `points(method)` gives x and y. */
 function draw(id, methods, all, points, x, y) {
   const datasets = methods.map(method => {
@@ -102,18 +91,18 @@ function draw(id, methods, all, points, x, y) {
   new Chart($(id), {
     type: 'scatter', data: { datasets },
     options: { animation: false, responsive: true, maintainAspectRatio: false, scales: { x, y },
-               plugins: { legend: { labels: { color: theme('--text'), boxWidth: 12 } } } },
+               plugins: { legend: { labels: { color: colourOf('--text'), boxWidth: 12 } } } },
   });
 }
 
 function drawAll(result, number) {
   const all = result.methods, overFrames = of => method => of(method).map((y, f) => ({ x: result.frames[f], y })).slice(1);
-  draw(`update-${number}`, all, all, overFrames(m => m.update_ms), axisOf('frame', 'linear'), axisOf('update, ms', 'logarithmic'));
-  draw(`cost-${number}`, all, all, overFrames(m => m.sah.map((sah, f) => sah / result.sah_fresh_best[f])), axisOf('frame', 'linear'), axisOf('SAH / fresh', 'logarithmic'));
+  draw(`update-${number}`, all, all, overFrames(m => m.update_ms), axisOf('frame', false), axisOf('update, ms', true));
+  draw(`cost-${number}`, all, all, overFrames(m => m.sah.map((sah, f) => sah / result.sah_fresh_best[f])), axisOf('frame', false), axisOf('SAH / fresh', true));
   Object.keys(result.rays).forEach((rays, k) => {
     const counts = Array.from({ length: 17 }, (_, i) => 10 ** (5 + i / 4));
     draw(`wins-${number}-${k}`, complete(result), all, m => counts.map(x => ({ x, y: frameTime(result, m, rays, x) })),
-         axisOf(`rays per frame, ${rays}`, 'logarithmic'), axisOf('time of a frame, ms', 'logarithmic'));
+         axisOf(`rays per frame, ${rays}`, true), axisOf('time of a frame, ms', true));
   });
 }
 

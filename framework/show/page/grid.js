@@ -1,6 +1,7 @@
 /* Tables that sort: a column's heading sorts by it, once more the other way round. */
 
 const isText = item => typeof item === 'string';
+const isTexts = (block, column) => block.rows.some(row => isText(row[column]));
 
 function entry(item, column, isName) {
   if (isText(item)) return el(isName ? 'th' : 'td', isName ? { scope: 'row' } : {}, item);
@@ -26,7 +27,7 @@ function gridOf(block) {
   block.columns.forEach((column, i) => {
     const button = el('button', { type: 'button', title: column.help || null }, column.heading);
     button.addEventListener('click', () => sortBy(i));
-    heads.push(el('th', { scope: 'col' }, button));
+    heads.push(el('th', { scope: 'col', class: isTexts(block, i) ? null : 'number' }, button));
   });
   fill(block.rows);
   return el('div', { class: 'scroll' }, el('table', {}, block.text ? el('caption', {}, block.text) : null,

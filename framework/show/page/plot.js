@@ -1,18 +1,11 @@
 /* Charts of Chart.js: bars, lines or points. */
 const colours = ['#4e79a7', '#f28e2b', '#59a14f', '#e15759', '#76b7b2', '#edc948', '#b07aa1', '#9c755f'];
-const colourOf = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
-const axisOf = (text, log) => ({
-  type: log ? 'logarithmic' : 'linear', title: { display: true, text, color: colourOf('--text') },
-  grid: { color: colourOf('--line') },
-  ticks: { color: colourOf('--muted'), maxTicksLimit: 8, callback: value => figure(value, -1) },
-});
-
-const nameOf = row => row.filter(isText).join(', ');
+const nameOf = row => row.filter(item => isText(item) && item !== '').join(', ');
 const valueOf = item => isNumber(item.value) ? item.value : null;
 
 /* The columns of numbers, by their places. */
-const seriesOf = block => block.columns.map((column, i) => i).filter(i => block.rows.some(row => !isText(row[i])));
+const seriesOf = block => block.columns.map((column, i) => i).filter(i => !isTexts(block, i));
 
 function datasetsOf(block) {
   const all = seriesOf(block), bars = block.drawing === 'bars', x = all[0];
