@@ -4,7 +4,7 @@
  */
 #include "framework/base/file.h"
 #include "framework/base/steering.h"
-#include "framework/show/view.h"
+#include "framework/show/outline.h"
 #include "framework/table/figure.h"
 #include "tests/program_fixture.h"
 
@@ -287,6 +287,81 @@ static void paragraphs_end_at_100_columns(void **state)
     expect_text(page, bb_page_print, expected);
 }
 
+/* Without its x a curve would show one of its other columns by another. */
+static void plots_need_their_x(void **state)
+{
+    (void)state;
+    static const bb_axes axes = {BB_DRAW_LINES, "nodes", "ms", true, true};
+    bb_table *table = sample_table();
+    bb_table_view view = ways;
+    view.axes = &axes;
+    bb_page *page = view_page(&view, table, "b");
+    assert_int_equal(bb_page_block_count(page), 1);
+    bb_page_free(page);
+    view.columns[0].parts[0] = "nodes";
+    page = view_page(&view, table, "b");
+    assert_int_equal(bb_page_block_count(page), 0);
+    bb_page_free(page);
+    bb_table_free(table);
+}
+
+static void expect_verdict(const bb_table *table, bool good, const char *text)
+{
+    static const bb_page_outline outline = {
+        .title = "", .wrong = "side", .well = "All are the same.", .ill = "differ."};
+    bb_page *page;
+    ASSERT_OK(bb_outline_page(&outline, table, &page));
+    const bb_block *block = bb_page_block(page, 0);
+    assert_int_equal(block->kind, BB_BLOCK_VERDICT);
+    assert_int_equal(block->good, good);
+    assert_string_equal(block->text, text);
+    bb_page_free(page);
+}
+
+/* All is well only if something was compared; a table from a file may have numbers below 0. */
+static void verdicts_need_answers(void **state)
+{
+    (void)state;
+    bb_table *table;
+    ASSERT_OK(bb_table_create("slice", &table));
+    expect_verdict(table, false, "No answer was compared.");
+    const uint32_t a = bb_table_row(table, (bb_cell){{[BB_SCENE] = "a"}});
+    const uint32_t b = bb_table_row(table, (bb_cell){{[BB_SCENE] = "b"}});
+    bb_table_set_number(table, a, &column_side, 0);
+    expect_verdict(table, true, "All are the same.");
+    bb_table_set_number(table, a, &column_side, -1);
+    bb_table_set_number(table, b, &column_side, 1);
+    expect_verdict(table, false, "2 differ.");
+    bb_table_free(table);
+}
+
+static void wide_grids_go_on_below(void **state)
+{
+    (void)state;
+    bb_page *page = new_page();
+    bb_page_grid(page, "");
+    bb_page_column(page, "name", "", "", 0);
+    for (int i = 0; i < 3; i++)
+        bb_page_column(page, "a heading of thirty-two letters.", "", "", 0);
+    bb_page_column(page, "refused", "", "", 0);
+    for (int row = 0; row < 2; row++) {
+        bb_page_put_text(page, row == 0 ? "first" : "second");
+        for (int i = 0; i < 3; i++) {
+            bb_estimate figure = bb_not_measured;
+            figure.value = row == 0 ? i : NAN;
+            bb_page_put_figure(page, figure, false);
+        }
+        bb_page_put_text(page, row == 0 ? "" : "has none");
+    }
+    expect_text(page, bb_page_print,
+                "name    a heading of thirty-two letters.  a heading of thirty-two letters.\n"
+                "first                                  0                                 1\n"
+                "second                                 -                                 -\n\n"
+                "name    a heading of thirty-two letters.  refused\n"
+                "first                                  2  \n"
+                "second                                 -  has none\n\n");
+}
+
 static void pages_are_utf8_that_no_name_ends(void **state)
 {
     (void)state;
@@ -373,6 +448,9 @@ int main(int argc, char **argv)
         cmocka_unit_test(a_page_is_text),
         cmocka_unit_test(a_page_is_markdown),
         cmocka_unit_test(paragraphs_end_at_100_columns),
+        cmocka_unit_test(plots_need_their_x),
+        cmocka_unit_test(verdicts_need_answers),
+        cmocka_unit_test(wide_grids_go_on_below),
         cmocka_unit_test(pages_are_utf8_that_no_name_ends),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);

@@ -169,8 +169,8 @@ const bb_page_outline bb_overlap_outline = {
     .note = "ms: medians of the rounds, of both trees and both directions. answer: which "
             "tetrahedra meet the other mesh. / first: the ratio to the first way, paired round by "
             "round (95 %). all: build, layout and answer. nodes, tests: of nodes and of pairs per "
-            "tetrahedron. differ: tetrahedra whose answers differ from those of the first way. *: "
-            "the best, and those tied with it.",
+            "tetrahedron. differ: tetrahedra whose answers differ from those of the first way. "
+            "Marked: the best, and those tied with it.",
     .wrong = "differ",
     .well = "All answers are the same to the last bit.",
     .ill = "answers differ from those of the first way.",

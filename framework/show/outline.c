@@ -34,7 +34,7 @@ double bb_outline_wrong(const bb_page_outline *outline, const bb_table *table)
     double wrong = 0;
     for (uint32_t row = 0; row < bb_table_row_count(table); row++) {
         const double own = bb_table_get_number(table, row, outline->wrong);
-        wrong += isnan(own) ? 0 : own;
+        wrong += isnan(own) ? 0 : fabs(own);
     }
     return wrong;
 }
@@ -43,7 +43,9 @@ static void add_verdict(const bb_page_outline *outline, const bb_table *table, b
 {
     char count[BB_FIGURE_MAX];
     const double wrong = bb_outline_wrong(outline, table);
-    if (wrong == 0)
+    if (bb_table_column_named(table, outline->wrong) == NULL)
+        bb_page_verdict(page, false, "No answer was compared.");
+    else if (wrong == 0)
         bb_page_verdict(page, true, "%s", outline->well);
     else
         bb_page_verdict(page, false, "%s %s", bb_figure(count, wrong, 0), outline->ill);

@@ -3,6 +3,7 @@
 #include "framework/show/page.h"
 #include "framework/table/figure.h"
 
+#include <math.h>
 #include <string.h>
 
 enum { COLUMNS_MAX = 100 };
@@ -111,22 +112,67 @@ static column measure_column(const bb_block *block, uint32_t i)
     return c;
 }
 
+/* Columns of a grid that stand side by side: its names, and those from `begin` to before `end`. */
+typedef struct part {
+    uint32_t names, begin, end;
+} part;
+
+static bool is_empty(const bb_item *item)
+{
+    return item->text != NULL ? item->text[0] == '\0' : !isfinite(item->figure.value);
+}
+
+/* Row `items` of the grid; its headings, if that is NULL. */
+static void print_row(const bb_block *block, const column *columns, part p, const bb_item *items,
+                      FILE *out)
+{
+    for (uint32_t i = 0; i < p.end; i++) {
+        const column *c = &columns[i];
+        const bb_head *head = &block->heads[i];
+        char text[BB_FIGURE_MAX + 2];
+        if (i < p.names || i >= p.begin)
+            print_entry(items == NULL ? head->heading : marked(text, c, head, &items[i]), c->width,
+                        c->left, i + 1 == p.end, out);
+    }
+}
+
+/* All rows in the first part, in others those that have something there. */
+static void print_part(const bb_block *block, const column *columns, part p, FILE *out)
+{
+    print_row(block, columns, p, NULL, out);
+    for (uint32_t k = 0; k < block->item_count; k += block->head_count) {
+        const bb_item *items = &block->items[k];
+        uint32_t i = p.begin;
+        while (p.begin > p.names && i < p.end && is_empty(&items[i]))
+            i++;
+        if (i < p.end)
+            print_row(block, columns, p, items, out);
+    }
+}
+
+/* Texts on the left are the names of rows. A grid that is too wide goes on below, under the same
+ * names, unless these leave no room. */
 static void print_grid(const bb_block *block, FILE *out)
 {
     const uint32_t count = block->head_count;
     column columns[BB_HEADS_MAX];
+    part p = {0, 0, 0};
+    int names = 0;
     if (block->text[0] != '\0')
         print_paragraph(block->text, out);
-    for (uint32_t i = 0; i < count; i++) {
+    for (uint32_t i = 0; i < count; i++)
         columns[i] = measure_column(block, i);
-        print_entry(block->heads[i].heading, columns[i].width, columns[i].left, i + 1 == count,
-                    out);
-    }
-    for (uint32_t k = 0; k < block->item_count; k++) {
-        const column *c = &columns[k % count];
-        char text[BB_FIGURE_MAX + 2];
-        print_entry(marked(text, c, &block->heads[k % count], &block->items[k]), c->width, c->left,
-                    (k + 1) % count == 0, out);
+    for (; p.names + 1 < count && columns[p.names].left; p.names++)
+        names += columns[p.names].width + 2;
+    for (p.begin = p.names; p.begin < count; p.begin = p.end) {
+        int width = names + columns[p.begin].width;
+        for (p.end = p.begin + 1; p.end < count; p.end++) {
+            width += 2 + columns[p.end].width;
+            if (width > COLUMNS_MAX && names < COLUMNS_MAX)
+                break;
+        }
+        fputs(p.begin > p.names ? "\n" : "", out);
+        print_part(block, columns, p, out);
     }
 }
 

@@ -276,7 +276,9 @@ static void show(const shown *s, bb_page *page)
     for (uint32_t i = 0; i < BB_VIEW_COLUMNS && s->view->columns[i].parts[0] != NULL; i++)
         if (any_value(s, &s->view->columns[i]))
             columns[count++] = &s->view->columns[i];
-    if (count == 0)
+    const bool has_x = s->view->axes == NULL || s->view->axes->drawing == BB_DRAW_BARS ||
+                       columns[0] == &s->view->columns[0];
+    if (count == 0 || !has_x)
         return;
     if (s->view->axes != NULL)
         bb_page_plot(page, s->view->caption, s->view->axes);

@@ -211,7 +211,7 @@ const bb_page_outline bb_slice_outline = {
         "ms: medians of the rounds. answer: a slice, the mean of all. / first: the ratio to the "
         "first way, paired round by round (95 %). all: build, layout and answer. M/s: millions "
         "of voxels per second. nodes, tests: of nodes and tetrahedra per voxel. differ: voxels "
-        "that differ from those of the first way. *: the best, and those tied with it.",
+        "that differ from those of the first way. Marked: the best, and those tied with it.",
     .wrong = "differ",
     .well = "All answers are the same to the last bit.",
     .ill = "answers differ from those of the first way.",
