@@ -12,10 +12,11 @@
 /* Generated at build time. */
 extern const char bb_build_revision[], bb_build_version[], bb_build_flags[];
 
-#define COLUMN_OF(sense, id, kind, name, heading, help)                                            \
-    const bb_column id = {name, heading, "", help, BB_COLUMN_##kind, sense, BB_BETTER_NEITHER, -1}
-#define COLUMN(...) COLUMN_OF(BB_SENSE_EXACT, __VA_ARGS__)
-#define COLUMN_OF_CLOCKS(...) COLUMN_OF(BB_SENSE_TIMED, __VA_ARGS__)
+#define COLUMN_OF(sense, decimals, id, kind, name, heading, help)                                  \
+    const bb_column id = {name,  heading,           "",      help, BB_COLUMN_##kind,               \
+                          sense, BB_BETTER_NEITHER, decimals}
+#define COLUMN(...) COLUMN_OF(BB_SENSE_EXACT, 0, __VA_ARGS__)
+#define COLUMN_OF_CLOCKS(...) COLUMN_OF(BB_SENSE_TIMED, 2, __VA_ARGS__)
 
 static COLUMN_OF_CLOCKS(date, TEXT, "date", "Date", "When the run began, UTC.");
 static COLUMN(revision, TEXT, "revision", "Revision", "The program's revision.");
