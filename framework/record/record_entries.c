@@ -143,12 +143,6 @@ bool bb_put_build_params(cJSON *object, const char *name, const void *record, co
     return false;
 }
 
-/* Puts null for 0, which means not known. */
-static bool put_bytes(cJSON *object, const char *name, uint64_t bytes)
-{
-    return bb_put_number(object, name, bytes > 0 ? (double)bytes : (double)NAN);
-}
-
 /* Puts times, all samples, SAH and bytes of a pipeline's steps; nothing for a single builder. */
 bool bb_put_steps(cJSON *object, const char *name, const void *record, const void *extra)
 {
@@ -167,8 +161,8 @@ bool bb_put_steps(cJSON *object, const char *name, const void *record, const voi
         ok = bb_put_number(ms, step, bb_samples_median(&build->steps[i].ms)) &&
              bb_put_samples(samples, step, &build->steps[i].ms) &&
              bb_put_number(sah, step, build->steps[i].sah) &&
-             put_bytes(bytes, step, build->steps[i].bytes) &&
-             put_bytes(peak, step, build->steps[i].bytes_peak);
+             bb_put_size(bytes, step, build->steps[i].bytes) &&
+             bb_put_size(peak, step, build->steps[i].bytes_peak);
     }
     return ok;
 }
@@ -210,7 +204,7 @@ bool bb_put_layouts(cJSON *object, const char *name, const void *record, const v
         ok = bb_put_number(ms, layout, bb_samples_median(&build->layouts[i].ms)) &&
              bb_put_samples(samples, layout, &build->layouts[i].ms) &&
              bb_put_number(sah, layout, build->layouts[i].sah) &&
-             put_bytes(bytes, layout, build->layouts[i].bytes);
+             bb_put_size(bytes, layout, build->layouts[i].bytes);
     }
     return ok;
 }

@@ -30,6 +30,8 @@ bool bb_put_part(cJSON *object, bb_field_part part, const void *record, const vo
 /* Puts all fields of a part into an object of its own, the member `name` of `entry`. */
 bool bb_put_inner(cJSON *entry, const char *name, bb_field_part part, const void *record);
 
+/* Puts a number; null for 0, which means that it is not known. */
+bool bb_put_size(cJSON *object, const char *name, uint64_t value);
 bool bb_put_samples(cJSON *object, const char *name, const bb_samples *samples);
 bool bb_put_named(cJSON *object, const char *name, const bb_named_ms *entries, uint32_t count);
 

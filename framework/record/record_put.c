@@ -34,8 +34,7 @@ bool bb_put_number(cJSON *object, const char *name, double value)
     return bb_put(object, name, number(value));
 }
 
-/* Puts a figure whose 0 means that it was not filled in, as null. */
-static bool put_size(cJSON *object, const char *name, uint64_t value)
+bool bb_put_size(cJSON *object, const char *name, uint64_t value)
 {
     return bb_put_number(object, name, value == 0 ? (double)NAN : (double)value);
 }
@@ -170,9 +169,9 @@ static bool put_field(cJSON *object, bb_field_id id, const void *record, const v
                              *(const uint64_t *)at == BB_UNCOUNTED ? (double)NAN
                                                                    : (double)*(const uint64_t *)at);
     case SIZE:
-        return put_size(object, name, *(const uint32_t *)at);
+        return bb_put_size(object, name, *(const uint32_t *)at);
     case SIZE64:
-        return put_size(object, name, *(const uint64_t *)at);
+        return bb_put_size(object, name, *(const uint64_t *)at);
     case BOOL:
         return bb_put(object, name, cJSON_CreateBool(*(const bool *)at));
     case TRUE_IF:
