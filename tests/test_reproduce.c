@@ -411,6 +411,44 @@ static void papers_are_sound(void **state)
     }
 }
 
+/* Figures that a text names are the claim's. */
+static bool names_figures(const bb_paper_claim *claim, const char *text)
+{
+    for (const char *at = text; at != NULL && (at = strchr(at, '{')) != NULL; at++)
+        if (at[1] >= '0' && at[1] <= '9' && claim->figures[at[1] - '0'] == NULL)
+            return false;
+    return true;
+}
+
+/* A test compares a figure that is there with what it may miss; a mean of times has an interval. */
+static bool may_fail(const bb_paper_claim *claim, const bb_test *test)
+{
+    const bb_figure *figure = claim->figures[test->figure];
+    if (figure == NULL || (test->than > 0 && claim->figures[test->than - 1] == NULL) ||
+        (test->over == BB_OVER_MEAN && strstr(figure->what, "_ms") != NULL &&
+         figure->mean == BB_MEAN_OF_SCENES))
+        return false;
+    return test->than > 0 ||
+           (test->bound > 0 && (test->side != BB_WITHIN || test->most > test->bound));
+}
+
+static void each_claim_may_fail(void **state)
+{
+    (void)state;
+    for (const bb_paper *const *p = bb_papers; *p != NULL; p++)
+        for (int half = 0; half < 2; half++)
+            for (const bb_paper_claim *c = (*p)->claims[half]; c != NULL && c->text != NULL; c++) {
+                bool sound = c->judge != NULL || c->tests[0].side != BB_NO_SIDE;
+                for (int i = 0; i < BB_CLAIM_TESTS && c->tests[i].side != BB_NO_SIDE; i++)
+                    sound = sound && may_fail(c, &c->tests[i]);
+                for (int i = 0; i < BB_CLAIM_SAYINGS; i++)
+                    sound = sound && names_figures(c, c->ours[i].text) &&
+                            names_figures(c, c->why[i].text) && names_figures(c, c->why[i].also);
+                if (!sound)
+                    fail_msg("%s: %s", (*p)->name, c->text);
+            }
+}
+
 /* Nothing measured at all: no claim is judged, nothing crashes. */
 static void nothing_measured_judges_nothing(void **state)
 {
@@ -531,6 +569,7 @@ int main(void)
         cmocka_unit_test(reproductions_survive_the_file_and_merging),
         cmocka_unit_test(broken_reproductions_are_refused),
         cmocka_unit_test(papers_are_sound),
+        cmocka_unit_test(each_claim_may_fail),
         cmocka_unit_test(nothing_measured_judges_nothing),
         cmocka_unit_test(quick_papers_run),
         cmocka_unit_test(bad_input_is_refused),
