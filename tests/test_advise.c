@@ -28,6 +28,46 @@ static bool is(const cJSON *object, const char *name, const char *text)
     return strcmp(part(object, name)->valuestring, text) == 0;
 }
 
+/* The row of a question in which a member has this text, the first of several; NULL: there is none.
+ * `question` NULL: the scene's; `name` NULL: any. */
+static const cJSON *find(const cJSON *table, const char *question, const char *name,
+                         const char *text)
+{
+    const cJSON *row;
+    cJSON_ArrayForEach(row, part(table, "rows"))
+    {
+        const cJSON *asked = cJSON_GetObjectItemCaseSensitive(row, "question");
+        const cJSON *member = cJSON_GetObjectItemCaseSensitive(row, name != NULL ? name : "scene");
+        if (cJSON_GetObjectItemCaseSensitive(row, "scene") == NULL || !cJSON_IsString(member) ||
+            (asked != NULL) != (question != NULL) ||
+            (asked != NULL && strcmp(asked->valuestring, question) != 0))
+            continue;
+        if (name == NULL || strcmp(member->valuestring, text) == 0)
+            return row;
+    }
+    return NULL;
+}
+
+static const cJSON *scene_of(const cJSON *table)
+{
+    const cJSON *row = find(table, NULL, NULL, NULL);
+    assert_non_null(row);
+    return row;
+}
+
+static const cJSON *choice_of(const cJSON *table)
+{
+    return find(table, "race", "state", "chosen");
+}
+
+static double median(const cJSON *row, const char *name)
+{
+    const cJSON *one;
+    bb_samples rounds = {0};
+    cJSON_ArrayForEach(one, part(row, name)) bb_samples_add(&rounds, one->valuedouble);
+    return bb_samples_median(&rounds);
+}
+
 static void advice_as_json(void **state)
 {
     (void)state;
@@ -39,35 +79,43 @@ static void advice_as_json(void **state)
         fail_msg("exit %d: %s", o->exit_status, o->err);
     cJSON *json = cJSON_Parse(o->out);
     assert_non_null(json);
-    assert_true(is(json, "schema", "bvhbench-advice/1"));
-    assert_true(number(json, "prims") == 2000 && number(json, "image_rays") == 1000);
-    const cJSON *choice = part(json, "choice"), *one;
+    assert_true(is(json, "schema", "bvhbench-table/1") && is(json, "command", "advise"));
+    assert_true(number(scene_of(json), "primitives") == 2000 &&
+                number(scene_of(json), "image_rays") == 1000);
+    const cJSON *choice = choice_of(json), *one;
+    assert_non_null(choice);
     assert_true(number(choice, "wrong") == 0 && number(choice, "checked") > 500);
     assert_true(fabs(number(choice, "wrong_ppm_at_most") - 3e6 / number(choice, "checked")) < 1);
     assert_true(number(choice, "bytes") ==
                 number(choice, "bytes_build") + number(choice, "bytes_layout"));
-    assert_true(number(choice, "ratio") <= 1.05);
-    assert_true(is(part(part(choice, "decisions"), "kinds compiled in"), "value", "triangles"));
-    assert_true(is(part(part(json, "needs"), "code bits"), "by", "scene"));
-    uint32_t chosen = 0, count = 0;
-    cJSON_ArrayForEach(one, part(json, "contenders"))
+    assert_true(median(choice, "ratio") <= 1.05);
+    assert_true(is(find(json, "kinds compiled in", "builder", part(choice, "builder")->valuestring),
+                   "value", "triangles"));
+    assert_true(is(find(json, "code bits", NULL, NULL), "by", "scene"));
+    assert_null(cJSON_GetObjectItemCaseSensitive(find(json, "code bits", NULL, NULL), "builder"));
+    uint32_t chosen = 0, count = 0, searched = 0, saved = 0;
+    cJSON_ArrayForEach(one, part(json, "rows"))
     {
-        count++;
-        if (!is(one, "state", "chosen"))
+        const cJSON *question = cJSON_GetObjectItemCaseSensitive(one, "question");
+        if (question == NULL)
             continue;
-        chosen++;
-        assert_true(is(one, "builder", part(choice, "builder")->valuestring));
+        count += is(one, "question", "race");
+        chosen += is(one, "question", "race") && is(one, "state", "chosen");
+        searched += is(one, "question", "exhaustive search");
+        if (is(one, "question", "savings")) {
+            saved++;
+            assert_true(number(one, "bytes_more") > -1e6 && isfinite(median(one, "ms_more")));
+        }
     }
-    assert_true(count > 0 && count <= 6 && chosen == 1);
-    cJSON_ArrayForEach(one, part(json, "savings"))
-        assert_true(number(one, "bytes") > -1e6 && isfinite(number(one, "ms")));
-    assert_int_equal(number(part(json, "exhaustive"), "configurations"), 6);
-    assert_true(number(part(json, "exhaustive"), "ratio") > 0);
+    assert_true(count > 0 && count <= 6 && chosen == 1 && saved > 0);
+    assert_int_equal(searched, 6);
+    assert_non_null(find(json, "exhaustive search", "state", "chosen"));
+    assert_true(median(find(json, "exhaustive search", "state", "chosen"), "ratio") > 0);
 
     /* the command that it names measures just that */
     char command[1024];
     snprintf(command, sizeof command, "%s --quick --quiet --charts no --no-pictures",
-             part(json, "command")->valuestring + strlen("bvhbench "));
+             part(find(json, "again", NULL, NULL), "again")->valuestring + strlen("bvhbench "));
     expect(0, command, part(choice, "builder")->valuestring);
     cJSON_Delete(json);
 }
@@ -79,18 +127,25 @@ static void advice_as_text(void **state)
                               SMALL "--scene cube --rays primary --builder lbvh:bits=auto "
                                     "--kernel stack --out kept --charts no",
                               "What the scene asks for");
-    static const char *const words[] = {
-        "The least that does it",          "paired round by round", "lbvh:bits=auto",
-        "none wrong of 256 judged, below", "lbvh:bits=63",          "a stack of 1024, not 16",
-        "bvhbench run --scene cube"};
+    static const char *const words[] = {"The least that does it",
+                                        "lbvh:bits=auto, stack, exact",
+                                        "none wrong of 256 judged rays, below",
+                                        "lbvh:bits=63",
+                                        "stack=1024",
+                                        "8,064", /* more bytes for each ray in flight */
+                                        "race: 1 configurations: 1 chosen.",
+                                        "To measure the choice again\nbvhbench run --scene cube"};
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
         if (strstr(o->out, words[i]) == NULL)
             fail_msg("no '%s' in:\n%s", words[i], o->out);
     cJSON *json = read_results("kept/results.json");
-    part(json, "advice");
     assert_true(cJSON_GetArraySize(part(json, "traces")) >= 1);
     cJSON_Delete(json);
     expect(0, "report kept --table", "lbvh:bits=auto"); /* it is a result file like any */
+    expect(0, "report kept/advise.json", "paired round by round");
+    expect(0, "report kept/advise.json --table", "What the scene asks for");
+    expect(0, "report kept/advise.json --markdown", "| builder | intersector |");
+    expect(0, "report kept/advise.json --csv", "scene,");
 }
 
 static void words_are_quoted_for_a_shell(void **state)
@@ -131,7 +186,7 @@ static void the_command_is_the_same_to_a_shell(void **state)
     if (o->exit_status != 0)
         fail_msg("exit %d: %s", o->exit_status, o->err);
     cJSON *json = cJSON_Parse(o->out);
-    const char *text = part(json, "command")->valuestring;
+    const char *text = part(find(json, "again", NULL, NULL), "again")->valuestring;
     assert_non_null(strstr(text, " --size 16x16 --max-rays 1k --seed 7 --device 0"));
     snprintf(command, sizeof command, "%s --quick --quiet --charts no --no-pictures",
              text + strlen("bvhbench "));
@@ -180,15 +235,15 @@ static void nothing_right_enough_is_status_1(void **state)
     snprintf(arguments, sizeof arguments, "%s --max-rays 20k", careless);
     expect(1, arguments, "Nothing that was tried is right often enough");
     snprintf(arguments, sizeof arguments, "%s --max-rays 20k --json", careless);
-    const outcome *o = expect(1, arguments, "\"choice\":\tnull");
-    assert_non_null(strstr(o->out, "too wrong"));
+    const outcome *o = expect(1, arguments, "too wrong");
     /* all are out before the last heat, whose document has nothing of the scene */
     cJSON *json = cJSON_Parse(o->out);
-    assert_true(number(json, "prims") > 0);
-    part(part(json, "needs"), "code bits");
+    assert_null(choice_of(json));
+    assert_true(number(scene_of(json), "primitives") > 0);
+    assert_non_null(find(json, "code bits", NULL, NULL));
     cJSON_Delete(json);
     snprintf(arguments, sizeof arguments, "%s --max-rays 20k --max-wrong-ppm 1e6", careless);
-    expect(0, arguments, "careless: ");
+    expect(0, arguments, "lbvh, stack, careless");
 }
 
 /* 256 rays without a wrong one show a rate below 11,719 per million, and no less. */
@@ -209,28 +264,15 @@ static void a_limit_that_rays_cannot_show_is_said(void **state)
                  SMALL "--scene cube --rays primary --builder lbvh --kernel stack --intersector "
                        "exact --max-wrong-ppm %s --out limit%zu --charts no",
                  cases[i].limit, i);
-        const outcome *o =
-            expect(0, arguments, cases[i].text != NULL ? cases[i].text : "none wrong of 256");
+        expect(0, arguments, "none wrong of 256");
+        snprintf(arguments, sizeof arguments, "report limit%zu/advise.json --markdown", i);
+        const outcome *o = expect(0, arguments, cases[i].text != NULL ? cases[i].text : "");
         assert_int_equal(strstr(o->out, "do not show") != NULL, cases[i].text != NULL);
-        snprintf(arguments, sizeof arguments, "limit%zu/results.json", i);
+        snprintf(arguments, sizeof arguments, "limit%zu/advise.json", i);
         cJSON *json = read_results(arguments);
-        const cJSON *choice = part(part(json, "advice"), "choice");
-        assert_int_equal(cJSON_IsTrue(part(choice, "limit_shown")), cases[i].shown);
+        assert_int_equal(is(choice_of(json), "limit_shown", "yes"), cases[i].shown);
         cJSON_Delete(json);
     }
-}
-
-static const cJSON *find(const cJSON *list, const char *builder, const char *kernel,
-                         const char *intersector)
-{
-    const cJSON *one;
-    cJSON_ArrayForEach(one, list)
-    {
-        if (is(one, "builder", builder) && is(one, "kernel", kernel) &&
-            is(one, "intersector", intersector))
-            return one;
-    }
-    return NULL;
 }
 
 /* The first kernel's stack is too short: whoever is right gives other answers. */
@@ -243,10 +285,11 @@ static void who_is_right_stays_beside_one_that_is_wrong(void **state)
     if (o->exit_status != 0)
         fail_msg("exit %d: %s", o->exit_status, o->err);
     cJSON *json = cJSON_Parse(o->out);
-    const cJSON *field = part(json, "contenders");
-    const cJSON *wrong = find(field, "lbvh:bits=30", "stack:stack=4", "exact");
+    const cJSON *wrong = find(json, "race", "intersector", "stack:stack=4, exact");
     assert_true(is(wrong, "state", "too wrong") && number(wrong, "wrong") > 0);
-    assert_true(is(find(field, "lbvh:bits=30", "stack", "exact"), "state", "chosen"));
+    assert_true(is(wrong, "builder", "lbvh:bits=30") && is(wrong, "unfit", "wrong too often"));
+    assert_true(is(choice_of(json), "builder", "lbvh:bits=30") &&
+                is(choice_of(json), "intersector", "stack, exact"));
     cJSON_Delete(json);
 }
 
@@ -259,12 +302,15 @@ static void kernels_are_not_dropped_for_an_intersector(void **state)
     if (o->exit_status != 0)
         fail_msg("exit %d: %s", o->exit_status, o->err);
     cJSON *json = cJSON_Parse(o->out);
-    const cJSON *scouts = part(json, "scouts");
-    assert_int_equal(cJSON_GetArraySize(scouts), 3);
-    assert_true(is(find(scouts, "lbvh", "stackless", "careless"), "state", "too wrong"));
-    assert_false(is(find(scouts, "lbvh", "stackless", "exact"), "state", "too wrong"));
-    assert_false(is(find(scouts, "lbvh", "stack", "exact"), "state", "too wrong"));
-    assert_true(is(part(json, "choice"), "intersector", "exact"));
+    static const char *const scouts[] = {"stackless, careless", "stackless, exact", "stack, exact"};
+    for (size_t i = 0; i < 3; i++) {
+        const cJSON *scout = find(json, "kernels, intersectors", "intersector", scouts[i]);
+        assert_non_null(scout);
+        assert_true(is(scout, "builder", "lbvh"));
+        assert_int_equal(is(scout, "state", "too wrong"), i == 0);
+    }
+    assert_null(find(json, "kernels, intersectors", "intersector", "stack, careless"));
+    assert_non_null(strstr(part(choice_of(json), "intersector")->valuestring, ", exact"));
     cJSON_Delete(json);
 }
 
@@ -301,8 +347,8 @@ static void memory_is_bounded_by_turns(void **state)
         if (o->exit_status != 0)
             fail_msg("exit %d: %s", o->exit_status, o->err);
         cJSON *json = cJSON_Parse(o->out);
-        held[i] = number(part(json, "taken"), "held_bytes");
-        assert_true(number(part(json, "foretold"), "held_bytes") > 0);
+        held[i] = number(find(json, "taken", NULL, NULL), "held_bytes");
+        assert_true(number(find(json, "foretold", NULL, NULL), "held_bytes") > 0);
         cJSON_Delete(json);
     }
     print_message("%g and %g bytes were held\n", held[0], held[1]);
@@ -332,9 +378,12 @@ static void an_interrupt_leaves_the_best_so_far(void **state)
     const char *foretold = strstr(text, "are left; about");
     assert_true(foretold != NULL && strstr(foretold, "GB of host memory") != NULL &&
                 strstr(foretold, "heat 1 of") != NULL);
-    cJSON *json = read_results("cut/results.json");
-    assert_true(cJSON_IsString(part(part(json, "advice"), "preliminary")));
-    part(part(part(json, "advice"), "choice"), "builder");
+    cJSON *json = read_results("cut/advise.json");
+    assert_true(cJSON_IsString(part(scene_of(json), "preliminary")));
+    part(choice_of(json), "builder");
+    cJSON_Delete(json);
+    json = read_results("cut/results.json"); /* the last comparison */
+    part(json, "builds");
     cJSON_Delete(json);
 }
 
@@ -359,6 +408,10 @@ static void what_cannot_be_done_is_refused(void **state)
     refuses("", "advise --scene cube --max-wrong-ppm -1", "--max-wrong-ppm");
     refuses("", "advise --scene cube --max-wrong-ppm nan", "--max-wrong-ppm");
     refuses("", "advise --scene cube --out /dev/null/x", "/dev/null/x");
+    refuses("", "advise --scene cube --quiet --history /nowhere/a.db", "/nowhere/a.db");
+    write_file("older.json", "{\"schema\":\"bvhbench-advice/1\"}", 30);
+    refuses("", "report older.json", "bvhbench-advice/1");
+    refuses("", "compare older.json older.json", "bvhbench-advice/1");
 }
 
 /* Too short a stack is never silent, and what was given is recorded as given. */

@@ -220,6 +220,8 @@ static void commands_write_what_is_compared(void **state)
         {"overlap", "overlap tets:side=2 tets:side=2 --builder lbvh --repeats 1"},
         {"volume", "volume --scene nbody:n=8 --builder vlbvh --size 8x8 --repeats 1 --brief"},
         {"stress", "stress --axis nan --builder lbvh --quick --no-pictures"},
+        {"advise", "advise --scene cube --builder lbvh --kernel stack --rays primary --count 1000 "
+                   "--quick --size 8x8 --charts no"},
     };
     for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++) {
         char arguments[512], file[64];
@@ -254,8 +256,8 @@ static void commands_write_what_is_compared(void **state)
         snprintf(arguments, sizeof arguments, "merge %s --out m", file);
         refuses("", arguments, "is a table, which has no shards");
     }
-    expect(0, "report --history all.db --out all.html", "4 runs");
-    expect(0, "report --history later.db --out later.html", "4 runs");
+    expect(0, "report --history all.db --out all.html", "5 runs");
+    expect(0, "report --history later.db --out later.html", "5 runs");
     refuses("", "slice --scene tets:side=2 --builder lbvh --quiet --history /nowhere/a.db",
             "/nowhere/a.db");
 }

@@ -1,4 +1,4 @@
-/* What was found out on the way to an advice, and how it gets into the document. */
+/* What was found out on the way to an advice, and how it gets into a table. */
 #ifndef BB_ADVICE_H
 #define BB_ADVICE_H
 
@@ -53,7 +53,7 @@ typedef struct bb_saving {
     char builder[600], kernel[600], intersector[64];
     double wrong, checked; /* rays */
     double bytes;          /* more than the choice */
-    bb_estimate ms;        /* likewise, paired by rounds */
+    bb_samples ms;         /* likewise, paired by rounds */
     bool measured;
     char reason[256]; /* why not */
 } bb_saving;
@@ -70,29 +70,41 @@ typedef struct bb_advice {
     bb_takings foretold, taken;
     const char *preliminary; /* what was measured last when it was interrupted; NULL: it was not */
     bb_entered field;
-    uint32_t best, choice;    /* of the field; BB_NONE_CHOSEN */
-    bb_estimate choice_ratio; /* to the best */
-    uint32_t within;          /* how many are within 5 % of the best */
+    uint32_t best, choice; /* of the field; BB_NONE_CHOSEN */
+    uint32_t within;       /* how many are within 5 % of the best */
     uint32_t heats;
     bb_saving savings[BB_SAVINGS_MAX];
     uint32_t saving_count;
     bb_entered all; /* of the exhaustive search; count 0: none */
     uint32_t all_best, all_least, all_choice;
-    bb_estimate all_ratio; /* of the choice to the best of them */
 } bb_advice;
 
 /* Chooses among those of a last heat: *best the fastest by pairs that is not out, *least the least
  * within the slack of it, *within how many are. BB_NONE_CHOSEN for both if all are out. */
 void bb_choose_least(const bb_entered *field, uint32_t *best, uint32_t *least, uint32_t *within);
 
-/* Sets best, choice, choice_ratio and within from the field. */
+/* Sets best, choice and within from the field. */
 void bb_choose(bb_advice *advice);
 
 /* The same after an interrupt, from what was measured before it: the field, else the scouts, which
  * become the field. Nothing is chosen if nothing was measured. */
 void bb_choose_preliminary(bb_advice *advice);
 
-/* As the member "advice" of the document. */
-bb_status bb_advice_add(const bb_advice *advice, bb_results *results);
+/* What becomes of a contender. The first ones are the states of its racer, in their order. */
+enum {
+    BB_RACED,
+    BB_WAS_SLOW,
+    BB_WAS_WRONG,
+    BB_WAS_NOT_RUN,
+    BB_CHOSEN,
+    BB_MORE_THAN_NEEDED,
+    BB_SLOWER,
+    BB_FATES
+};
+extern const char *const bb_fates[BB_FATES]; /* in words */
+
+/* Fills a table, whose run has a row, with rows of the scene, of its decisions, of each contender
+ * and of each saving. README.md has its columns. */
+bb_status bb_advice_fill(const bb_advice *advice, bb_table *table);
 
 #endif

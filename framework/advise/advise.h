@@ -11,16 +11,15 @@
  *   search   if asked for: everything that was ever tried, with as many rays as the last heat, to
  *            see how far the choice is from the best
  *
- * Each is an ordinary comparison (bb_bench_run()); the document that is handed back has the last
- * one, and the advice as its member "advice".
+ * Each is an ordinary comparison (bb_bench_run()); the results that are handed back are those of
+ * the last one. The advice is a table.
  */
 #ifndef BB_ADVISE_H
 #define BB_ADVISE_H
 
 #include "framework/advise/contenders.h"
 #include "framework/bench/bench.h"
-
-#include <stdio.h>
+#include "framework/show/outline.h"
 
 typedef struct bb_advise_request {
     bb_device *device;
@@ -47,12 +46,13 @@ typedef struct bb_advise_request {
 /* Checks the names and parameters before anything is loaded. */
 bb_status bb_advise_check(const bb_advise_request *request);
 
-/* Advises. `results`: an empty document; `outcome`: of the comparison that is in it. *found: false
- * if nothing that was tried is within the limit; then the document says how far off it was. */
+/* Advises. `results`: an empty document; `outcome`: of the comparison that is in it. `table` gets
+ * the rows of the scene, none if an interrupt came before anything was measured. *found: false if
+ * nothing that was tried is within the limit; then the table says how far off it was. */
 bb_status bb_advise(const bb_advise_request *request, bb_results *results,
-                    bb_bench_outcome *outcome, bool *found);
+                    bb_bench_outcome *outcome, bb_table *table, bool *found);
 
-/* The advice of a document as text. */
-bb_status bb_advice_print(const bb_results *results, FILE *out);
+/* The page of such a table; the second one is for the terminal, with fewer rows of each view. */
+extern const bb_page_outline bb_advise_outline, bb_advise_outline_briefly;
 
 #endif

@@ -21,11 +21,7 @@ void bb_choose_least(const bb_entered *field, uint32_t *best, uint32_t *least, u
 
 void bb_choose(bb_advice *advice)
 {
-    const bb_entered *field = &advice->field;
-    bb_choose_least(field, &advice->best, &advice->choice, &advice->within);
-    if (advice->choice != BB_NONE_CHOSEN)
-        advice->choice_ratio =
-            bb_race_ratio(&field->racers[advice->choice], &field->racers[advice->best]);
+    bb_choose_least(&advice->field, &advice->best, &advice->choice, &advice->within);
 }
 
 static bool is_measured(const bb_entered *field)

@@ -32,8 +32,9 @@ typedef struct course {
     bb_progress progress;
     bb_results *documents[DOCUMENTS_MAX]; /* of all comparisons but the last one */
     uint32_t document_count;
-    bb_results *results; /* the caller's */
+    bb_results *results; /* the caller's, as the next two */
     bb_bench_outcome *outcome;
+    bb_table *table;
 } course;
 
 /* ---- comparisons ---- */
@@ -314,9 +315,6 @@ static bb_status search(course *c)
     for (uint32_t i = 0; advice->choice != BB_NONE_CHOSEN && i < count; i++)
         if (same(&advice->all.who[i], &advice->field.who[advice->choice]))
             advice->all_choice = i;
-    if (advice->all_choice != BB_NONE_CHOSEN && advice->all_best != BB_NONE_CHOSEN)
-        advice->all_ratio = bb_race_ratio(&advice->all.racers[advice->all_choice],
-                                          &advice->all.racers[advice->all_best]);
     return BB_OK;
 }
 
@@ -378,17 +376,17 @@ static bb_status run(course *c)
     advice->taken.seconds = (bb_wall_ms() - start) / 1e3;
     advice->taken.host_bytes = (double)bb_host_peak();
     const bool nothing = bb_interrupted() && advice->choice == BB_NONE_CHOSEN;
-    return nothing ? BB_OK : bb_advice_add(advice, c->results);
+    return nothing ? BB_OK : bb_advice_fill(advice, c->table);
 }
 
 bb_status bb_advise(const bb_advise_request *request, bb_results *results,
-                    bb_bench_outcome *outcome, bool *found)
+                    bb_bench_outcome *outcome, bb_table *table, bool *found)
 {
     course *c = calloc(1, sizeof *c);
     if (c == NULL)
         return bb_fail(BB_FAILED, "out of memory");
     *outcome = (bb_bench_outcome){0};
-    *c = (course){.request = request, .results = results, .outcome = outcome};
+    *c = (course){.request = request, .results = results, .outcome = outcome, .table = table};
     c->advice = (bb_advice){.request = request,
                             .heats = request->quick ? HEATS_MAX - 1 : HEATS_MAX,
                             .foretold = {NAN, NAN, NAN, NAN},
@@ -397,9 +395,7 @@ bb_status bb_advise(const bb_advise_request *request, bb_results *results,
                             .choice = BB_NONE_CHOSEN,
                             .all_best = BB_NONE_CHOSEN,
                             .all_least = BB_NONE_CHOSEN,
-                            .all_choice = BB_NONE_CHOSEN,
-                            .choice_ratio = bb_not_measured,
-                            .all_ratio = bb_not_measured};
+                            .all_choice = BB_NONE_CHOSEN};
     bb_progress_start(&c->progress, request->quiet);
     bb_status status = run(c);
     *found = c->advice.choice != BB_NONE_CHOSEN;

@@ -20,7 +20,7 @@ bb_status bb_entered_make(bb_contender *who, uint32_t count, bb_entered *field)
         return bb_fail(BB_FAILED, "out of memory");
     }
     for (uint32_t i = 0; i < count; i++)
-        field->racers[i] = (bb_racer){.behind = BB_NO_RACER, .ratio = bb_not_measured};
+        field->racers[i] = (bb_racer){.behind = BB_NO_RACER};
     return BB_OK;
 }
 

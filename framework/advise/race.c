@@ -51,6 +51,13 @@ uint32_t bb_race_fastest(const bb_racer *racers, uint32_t count)
     return fastest;
 }
 
+static void drop(bb_racer *racer, const bb_racer *racers, uint32_t best)
+{
+    racer->state = BB_TOO_SLOW;
+    racer->behind = best;
+    racer->ratio = bb_samples_ratio(&racer->cost, &racers[best].cost);
+}
+
 uint32_t bb_race_drop(bb_racer *racers, uint32_t count, double slack)
 {
     uint32_t best = bb_race_best(racers, count), left = 0;
@@ -62,9 +69,7 @@ uint32_t bb_race_drop(bb_racer *racers, uint32_t count, double slack)
             ratio = bb_race_ratio(&racers[i], &racers[best]);
         /* NAN: too few rounds */
         if (isfinite(ratio.low) && ratio.least > slack) {
-            racers[i].state = BB_TOO_SLOW;
-            racers[i].behind = best;
-            racers[i].ratio = ratio;
+            drop(&racers[i], racers, best);
             continue;
         }
         left++;
@@ -88,9 +93,7 @@ uint32_t bb_race_drop_least(bb_racer *racers, uint32_t count, double slack)
         if (racers[i].state != BB_RACING)
             continue;
         if (best != BB_NO_RACER && least_of(&racers[i]) > slack * least_of(&racers[best])) {
-            racers[i].state = BB_TOO_SLOW;
-            racers[i].behind = best;
-            racers[i].ratio = bb_race_ratio(&racers[i], &racers[best]);
+            drop(&racers[i], racers, best);
             continue;
         }
         left++;
@@ -102,7 +105,7 @@ bb_status bb_race_run(bb_racer *racers, uint32_t count, uint32_t heats, double s
                       bb_heat_fn *measure, void *user)
 {
     for (uint32_t i = 0; i < count; i++)
-        racers[i] = (bb_racer){.behind = BB_NO_RACER, .ratio = bb_not_measured};
+        racers[i] = (bb_racer){.behind = BB_NO_RACER};
     for (uint32_t heat = 0; heat < heats; heat++) {
         BB_TRY(measure(user, heat, racers, count));
         uint32_t left = 0;

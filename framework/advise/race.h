@@ -32,10 +32,10 @@ typedef enum bb_racer_state {
 
 typedef struct bb_racer {
     bb_racer_state state;
-    bb_samples cost;   /* of the last heat that it ran in; sample 0 is the warm-up */
-    uint32_t heats;    /* that it ran in */
-    uint32_t behind;   /* too slow: against whom; else BB_NO_RACER */
-    bb_estimate ratio; /* of its cost to that one's */
+    bb_samples cost;  /* of the last heat that it ran in; sample 0 is the warm-up */
+    uint32_t heats;   /* that it ran in */
+    uint32_t behind;  /* too slow: against whom; else BB_NO_RACER */
+    bb_samples ratio; /* of its cost to that one's, by rounds */
 } bb_racer;
 
 /* Measures the racers that are BB_RACING: sets their costs, or their states. */

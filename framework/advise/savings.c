@@ -26,7 +26,7 @@ static bb_saving *add(bb_advice *advice, const char *what)
 {
     const bb_contender *choice = &advice->field.who[advice->choice];
     bb_saving *s = &advice->savings[advice->saving_count++];
-    *s = (bb_saving){.what = what, .ms = bb_not_measured};
+    *s = (bb_saving){.what = what};
     snprintf(s->builder, sizeof s->builder, "%s", choice->builder);
     snprintf(s->kernel, sizeof s->kernel, "%s", choice->kernel);
     snprintf(s->intersector, sizeof s->intersector, "%s", choice->intersector);
@@ -87,12 +87,12 @@ static void add_exactness(bb_advice *advice)
 }
 
 /* More milliseconds than the choice takes, round by round. */
-static bb_estimate more_ms(const bb_racer *a, const bb_racer *choice)
+static bb_samples more_ms(const bb_racer *a, const bb_racer *choice)
 {
     bb_samples more = {0};
     for (uint32_t i = 0; i < a->cost.count && a->cost.count == choice->cost.count; i++)
         bb_samples_add(&more, a->cost.values[i] - choice->cost.values[i]);
-    return bb_samples_estimate(&more);
+    return more;
 }
 
 static void say_setting(const char *what, const bb_tried_figures *f, char *text, size_t capacity)
@@ -127,7 +127,8 @@ static void read(bb_advice *advice, const bb_entered *field)
         const bool other_way = strcmp(s->what, BB_EXACTNESS) == 0;
         s->wrong = f->wrong;
         s->checked = f->checked;
-        s->bytes = (f->extent.bytes - choice->extent.bytes) * (other_way ? -1 : 1);
+        s->bytes = other_way ? choice->extent.bytes - f->extent.bytes
+                             : f->extent.bytes - choice->extent.bytes;
         s->ms = other_way ? more_ms(&field->racers[0], &field->racers[i + 1])
                           : more_ms(&field->racers[i + 1], &field->racers[0]);
         say_setting(s->what, choice, s->was, sizeof s->was);

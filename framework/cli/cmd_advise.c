@@ -1,25 +1,23 @@
 /* bvhbench advise: the least that a scene needs. */
 #include "framework/advise/advise.h"
 #include "framework/base/interrupt.h"
-#include "framework/base/json.h"
 #include "framework/base/shell_word.h"
+#include "framework/cli/contest_output.h"
 #include "framework/cli/output.h"
 #include "framework/device/device_private.h"
 
-#include <cjson/cJSON.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 typedef struct advising {
-    bb_device_choice device;
+    bb_contest_choice choice;
     bb_advise_request request;
     bb_names rays, builders, kernels, intersectors;
     uint64_t count, memory;
-    const char *folder;
     uint32_t charts;
-    bool json;
     char *further; /* bb_advise_request.further */
+    bb_contest_output output;
     bool found;
 } advising;
 
@@ -56,10 +54,12 @@ static const bb_cli_option options[] = {
      .presets =
          (const char *const[]){"size", "128x128", "max-rays", "16384", "repeats", "6", NULL}},
     BB_SEED_OPTION(advising, request.seed),
-    {"json", NULL, "print the advice as JSON", BB_INTO(advising, json)},
-    BB_GROUP(bb_device_options, advising, device),
-    {"out", "DIR", "folder for results.json and report.html of the last heat; default: none",
-     BB_INTO(advising, folder)},
+    BB_GROUP(bb_contest_options, advising, choice),
+    {"out", "DIR",
+     "folder for advise.json and advise.html, and for results.json and report.html of the last "
+     "heat; default: none",
+     BB_INTO(advising, choice.out)},
+    BB_HISTORY_OPTION(advising, choice.history),
     BB_CHARTS_OPTION(advising, charts),
     BB_QUIET_OPTION(advising, request.quiet),
     {.name = NULL},
@@ -85,8 +85,8 @@ static bb_status choose_builders(advising *a)
 static bb_status choose_kernels(advising *a)
 {
     if (a->kernels.count == 0)
-        return bb_tried_kernels(&a->request.kernels, bb_device_find_kind(a->device.name));
-    BB_TRY(bb_choose_kernels(&a->kernels, a->device.name));
+        return bb_tried_kernels(&a->request.kernels, bb_device_find_kind(a->choice.device.name));
+    BB_TRY(bb_choose_kernels(&a->kernels, a->choice.device.name));
     return copy(&a->kernels, &a->request.kernels);
 }
 
@@ -142,49 +142,18 @@ static bb_status advise(void *user, bb_device *device, bb_results *results,
 {
     advising *a = user;
     a->request.device = device;
-    return bb_advise(&a->request, results, outcome, &a->found);
+    BB_TRY(bb_contest_output_begin(&a->output, device, a->request.seed));
+    return bb_advise(&a->request, results, outcome, a->output.table, &a->found);
 }
 
-/* Returns whether there is advice to print. If the command was interrupted before it had any, says
- * so and returns false. */
-static bool is_advised(const bb_results *results)
-{
-    const bool advised = bb_results_member(results, "advice") != NULL;
-    if (!advised && bb_interrupted())
-        fprintf(stderr, "bvhbench: interrupted: there is no advice\n");
-    return advised || !bb_interrupted();
-}
-
-static bb_status print_text(const bb_results *results, FILE *out)
-{
-    const cJSON *context = bb_results_context(results);
-    if (!is_advised(results))
-        return BB_OK;
-    fprintf(out, "%s\n", bb_get_text(context, BB_F_CONTEXT_DEVICE));
-    return bb_advice_print(results, out);
-}
-
-static bb_status print_json(const bb_results *results, FILE *out)
-{
-    if (!is_advised(results))
-        return BB_OK;
-    char *text = bb_json_print(bb_results_member(results, "advice"), true);
-    if (text == NULL)
-        return bb_fail(BB_FAILED, "advise: no memory");
-    bool written = fprintf(out, "%s\n", text) > 0;
-    cJSON_free(text);
-    return written ? BB_OK : bb_fail(BB_FAILED, "cannot write the advice");
-}
-
-/* Advises without a folder: prints, and writes no files. */
-static bb_status answer(advising *a, bb_status (*print)(const bb_results *results, FILE *out),
-                        int *exit_status)
+/* Advises without a folder: the comparisons are not kept. */
+static bb_status advise_alone(advising *a, int *exit_status)
 {
     bb_device *device = NULL;
     bb_results *results = NULL;
     bb_bench_outcome outcome = {0};
     bb_interrupt_catch();
-    bb_status status = bb_open_device(&a->device, &device);
+    bb_status status = bb_open_device(&a->choice.device, &device);
     if (status == BB_OK)
         status =
             bb_results_create(&(bb_context){device, a->request.seed, a->request.command}, &results);
@@ -194,35 +163,61 @@ static bb_status answer(advising *a, bb_status (*print)(const bb_results *result
         *exit_status = BB_EXIT_INTERRUPTED;
         status = BB_OK;
     }
-    if (status == BB_OK && results != NULL)
-        status = print(results, stdout);
     bb_results_destroy(results);
     bb_device_close(device);
     return status;
+}
+
+static bb_status print_nothing(const bb_results *results, FILE *out)
+{
+    (void)results;
+    (void)out;
+    return BB_OK;
+}
+
+static bb_status advise_in_folder(advising *a, int *exit_status)
+{
+    const bb_comparison comparison = {
+        .command = a->request.command,
+        .device = &a->choice.device,
+        .folder = a->choice.out,
+        .seed = a->request.seed,
+        .charts = a->charts,
+        .quiet = a->request.quiet || a->choice.json,
+        .compare = advise,
+        .request = a,
+        .print = print_nothing,
+    };
+    return bb_output_compare(&comparison, exit_status);
+}
+
+/* The advice comes last, so that it stays on the screen. */
+static bb_status answer(advising *a, bb_status status)
+{
+    bool wrong;
+    const bool advised = a->output.table != NULL && bb_table_row_count(a->output.table) > 1;
+    if (status == BB_OK && !advised)
+        fprintf(stderr, "bvhbench: interrupted: there is no advice\n");
+    else if (status == BB_OK)
+        status = bb_contest_output_scene(&a->output);
+    return bb_contest_output_end(&a->output, status, &wrong);
 }
 
 static bb_status run(const bb_cli *cli, void *values, int *exit_status)
 {
     advising *a = values;
     BB_TRY(bb_charts_decide(&a->charts));
-    BB_TRY(bb_load_plugins(&a->device.plugins));
+    BB_TRY(bb_load_plugins(&a->choice.device.plugins));
     BB_TRY(keep_options(cli, &a->further));
     a->request.command = cli->command_line;
     a->request.further = a->further;
+    a->output = (bb_contest_output){.outline = &bb_advise_outline,
+                                    .printed = &bb_advise_outline_briefly,
+                                    .choice = &a->choice,
+                                    .command_line = cli->command_line};
     BB_TRY(fill_request(a));
-    const bb_comparison comparison = {
-        .command = cli->command_line,
-        .device = &a->device,
-        .folder = a->folder,
-        .seed = a->request.seed,
-        .charts = a->charts,
-        .quiet = a->request.quiet || a->json,
-        .compare = advise,
-        .request = a,
-        .print = a->json ? print_json : print_text,
-    };
-    BB_TRY(a->folder != NULL ? bb_output_compare(&comparison, exit_status)
-                             : answer(a, comparison.print, exit_status));
+    BB_TRY(answer(a, a->choice.out != NULL ? advise_in_folder(a, exit_status)
+                                           : advise_alone(a, exit_status)));
     if (*exit_status == BB_EXIT_OK && !a->found)
         *exit_status = BB_EXIT_WRONG;
     return BB_OK;

@@ -1,5 +1,6 @@
 #include "framework/cli/report_table.h"
 
+#include "framework/advise/advise.h"
 #include "framework/base/file.h"
 #include "framework/cli/inputs.h"
 #include "framework/dvr/dvr.h"
@@ -11,7 +12,7 @@
 #include <string.h>
 
 static const bb_page_outline *const outlines[] = {&bb_dvr_outline, &bb_slice_outline,
-                                                  &bb_overlap_outline};
+                                                  &bb_overlap_outline, &bb_advise_outline};
 
 static const bb_page_outline *outline_of(const bb_table *table)
 {

@@ -22,8 +22,13 @@ void bb_outline_scene(const bb_page_outline *outline, const bb_table *table, con
     const bb_cell cell = {{[BB_SCENE] = scene}};
     bb_page_heading(page, scene);
     bb_view_say(table, cell, page);
-    for (uint32_t i = 0; i < outline->view_count; i++)
-        bb_view_show(&outline->views[i], table, cell, page);
+    if (outline->say != NULL)
+        outline->say(table, scene, page);
+    for (uint32_t i = 0; i < outline->view_count; i++) {
+        bb_table_view view = outline->views[i];
+        view.most = outline->most;
+        bb_view_show(&view, table, cell, page);
+    }
     if (outline->note != NULL)
         bb_page_say(page, "%s", outline->note);
     add_pictures(table, scene, page);
@@ -32,7 +37,7 @@ void bb_outline_scene(const bb_page_outline *outline, const bb_table *table, con
 double bb_outline_wrong(const bb_page_outline *outline, const bb_table *table)
 {
     double wrong = 0;
-    for (uint32_t row = 0; row < bb_table_row_count(table); row++) {
+    for (uint32_t row = 0; outline->wrong != NULL && row < bb_table_row_count(table); row++) {
         const double own = bb_table_get_number(table, row, outline->wrong);
         wrong += isnan(own) ? 0 : fabs(own);
     }
@@ -43,6 +48,8 @@ static void add_verdict(const bb_page_outline *outline, const bb_table *table, b
 {
     char count[BB_FIGURE_MAX];
     const double wrong = bb_outline_wrong(outline, table);
+    if (outline->wrong == NULL)
+        return;
     if (bb_table_column_named(table, outline->wrong) == NULL)
         bb_page_verdict(page, false, "No answer was compared.");
     else if (wrong == 0)

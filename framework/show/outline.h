@@ -9,8 +9,12 @@ typedef struct bb_page_outline {
     const char *title;          /* "bvhbench: slices of meshes" */
     const bb_table_view *views; /* for each scene, one after the other */
     uint32_t view_count;
+    uint32_t most; /* rows of a view that are shown; 0: all */
+    /* Says in sentences what a scene's rows mean, before its views; NULL: nothing. */
+    void (*say)(const bb_table *table, const char *scene, bb_page *page);
     const char *note;  /* how the figures are to be read; NULL: nothing is said */
-    const char *wrong; /* a column of numbers: how many answers of a row are wrong */
+    const char *wrong; /* a column of numbers: how many answers of a row are wrong; NULL: there is
+                        * no verdict but what `say` says */
     const char *well;  /* the verdict if none is: "All answers are the same." */
     const char *ill;   /* what follows their number: "answers differ" */
 } bb_page_outline;

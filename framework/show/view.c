@@ -38,7 +38,10 @@ static bool is_in(const shown *s, uint32_t row)
             (wanted != NULL && wanted[0] != '\0' && strcmp(wanted, name) != 0))
             return false;
     }
-    return true;
+    return (s->view->question == NULL ||
+            strcmp(bb_table_name(s->table, row, BB_QUESTION), s->view->question) == 0) &&
+           (s->view->having == NULL ||
+            bb_table_get_text(s->table, row, s->view->having)[0] != '\0');
 }
 
 /* Each row joins the group of the first one like it. */
@@ -251,6 +254,7 @@ static void add_rows(const shown *s, const bb_view_column *const *columns, uint3
                      bb_page *page)
 {
     double best[BB_VIEW_COLUMNS];
+    uint32_t rows = 0;
     for (uint32_t i = 0; i < count; i++)
         best[i] = best_of(s, columns[i], declared(s, columns[i])->better);
     for (uint32_t place = 0; place < s->group_count; place++) {
@@ -258,7 +262,7 @@ static void add_rows(const shown *s, const bb_view_column *const *columns, uint3
         uint32_t known = 0;
         while (known < count && !has_value(s, g, columns[known]))
             known++;
-        if (known == count)
+        if (known == count || (rows++ >= s->view->most && s->view->most > 0))
             continue;
         for (int d = 0; d < BB_DIMENSIONS; d++)
             if ((s->view->rows & BB_SET(d)) != 0 && any_name(s, (bb_dimension)d))
@@ -267,6 +271,8 @@ static void add_rows(const shown *s, const bb_view_column *const *columns, uint3
         for (uint32_t i = 0; i < count; i++)
             add_entry(s, g, columns[i], best[i], page);
     }
+    if (s->view->most > 0 && rows > s->view->most)
+        bb_page_say(page, "and %u more", rows - s->view->most);
 }
 
 static void show(const shown *s, bb_page *page)

@@ -23,12 +23,15 @@ typedef struct bb_view_column {
 typedef struct bb_table_view {
     const char *caption;
     unsigned with, without; /* sets of dimensions which rows of the table have, or do not have */
+    const char *question;   /* that rows of the table must have; NULL: any */
+    const char *having;     /* a column of texts that rows must have a value in; NULL: any row */
     /* rows of the grid: which dimensions tell them apart, and are its first columns; of several
      * rows of the table in one of the grid, figures are geometric means, texts the first's */
     unsigned rows;
     bb_view_column columns[BB_VIEW_COLUMNS]; /* ended by one without parts */
     const char *order;   /* a column of the table: rows by its value, the best first; NULL: as they
                           * are. Rows without it are last. */
+    uint32_t most;       /* rows that are shown; a sentence says how many more there are; 0: all */
     const bb_axes *axes; /* a plot; NULL: a grid */
 } bb_table_view;
 

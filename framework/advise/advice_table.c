@@ -1,0 +1,332 @@
+/* The advice as rows of a table. */
+#include "framework/advise/advice.h"
+#include "framework/base/shell_word.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define COLUMN(kind, sense, better, decimals, id, name, heading, unit, help)                       \
+    static const bb_column id = {name, heading, unit, help, kind, sense, better, decimals}
+#define TEXT(id, name, heading, help)                                                              \
+    COLUMN(BB_COLUMN_TEXT, BB_SENSE_EXACT, BB_BETTER_NEITHER, 0, id, name, heading, "", help)
+#define EXACT(...) COLUMN(BB_COLUMN_NUMBER, BB_SENSE_EXACT, BB_BETTER_NEITHER, __VA_ARGS__)
+#define LESS(...) COLUMN(BB_COLUMN_NUMBER, BB_SENSE_EXACT, BB_BETTER_LESS, __VA_ARGS__)
+#define TIMED(...) COLUMN(BB_COLUMN_NUMBER, BB_SENSE_TIMED, BB_BETTER_NEITHER, __VA_ARGS__)
+#define TIME(...) COLUMN(BB_COLUMN_NUMBER, BB_SENSE_TIMED, BB_BETTER_LESS, __VA_ARGS__)
+
+/* ---- of the scene ---- */
+
+EXACT(0, prims, "primitives", "primitives", "", "Of the scene.");
+EXACT(0, sample_prims, "sample_primitives", "primitives of the sample", "",
+      "On which kernels, intersectors and builders are tried first.");
+EXACT(0, image_rays, "image_rays", "rays of an image", "", "Of all kinds together.");
+TEXT(ray_kinds, "ray_kinds", "kinds of rays", "An image has equally many rays of each.");
+EXACT(-1, limit, "max_wrong_ppm", "tolerated", "wrong rays per million", "As asked for.");
+EXACT(2, slack, "slack", "slack", "", "The choice takes so many times the least time at most.");
+EXACT(2, scout_slack, "scout_slack", "slack of scouts", "",
+      "What takes more than so many times the least time on the sample is dropped.");
+TIMED(0, within, "within_slack", "within the slack", "", "Contenders of the last heat.");
+TIMED(0, unlikely, "unlikely", "left out as foretold", "",
+      "Contenders that are too slow by far, by the figures of the scouts.");
+TIMED(0, heats, "heats", "heats", "", "Of the race; those that a contender ran in.");
+TEXT(preliminary, "preliminary", "PRELIMINARY, by",
+     "What was measured last when the command was interrupted.");
+TEXT(again, "again", "To measure the choice again", "A command line.");
+
+/* ---- of the whole advice: foretold, taken ---- */
+
+TIMED(1, seconds, "seconds", "time", "s", "Wall time.");
+TIMED(0, host_bytes, "host_bytes", "host memory", "bytes", "At its peak.");
+TIMED(0, device_bytes, "device_bytes", "device memory", "bytes", "At its peak.");
+TIMED(0, held_bytes, "held_bytes", "trees and layouts", "bytes",
+      "By their accounts, with scratch: the most at a time.");
+
+/* ---- of a decision ---- */
+
+TEXT(value, "value", "value", "What was decided.");
+TEXT(by, "by", "by", "default, scene, tree or given.");
+TEXT(figure, "figure", "because", "The figure that it rests on.");
+
+/* ---- of a contender ---- */
+
+TEXT(state, "state", "state", "What became of it.");
+TEXT(pick, "pick", "pick", "chosen, fastest or least.");
+TEXT(reason, "reason", "more by", "Why the choice needs less.");
+TEXT(unfit, "unfit", "unfit", "Why it has no part in the race.");
+TEXT(limit_shown, "limit_shown", "limit shown",
+     "yes: the 95 % interval of its wrong rays ends at the tolerated rate or below.");
+TEXT(against, "against", "against", "The contender that the ratio is to.");
+COLUMN(BB_COLUMN_ROUNDS, BB_SENSE_TIMED, BB_BETTER_NEITHER, 3, ratio, "ratio", "ratio", "",
+       "Of its time to that of the fastest, or of who dropped it, paired round by round.");
+COLUMN(BB_COLUMN_ROUNDS, BB_SENSE_TIMED, BB_BETTER_LESS, 1, image_ms, "image_ms", "image", "ms",
+       "Build, layout and rays, in its last heat.");
+TIME(1, build_ms, "build_ms", "build", "ms", "Median, with boxes and transfer.");
+TIME(1, layout_ms, "layout_ms", "layout", "ms", "Median.");
+TIME(1, trace_ms, "trace_ms", "rays", "ms", "Median, of all rays.");
+LESS(0, wrong, "wrong", "wrong", "", "Wrong rays.");
+EXACT(0, checked, "checked", "judged", "", "Rays that were judged.");
+LESS(-1, wrong_ppm, "wrong_ppm_at_most", "wrong at most", "ppm", "95 %.");
+LESS(0, bytes, "bytes", "memory", "bytes", "Of tree, scratch and layout.");
+LESS(0, bytes_build, "bytes_build", "tree, scratch", "bytes", "Of the build, at its peak.");
+LESS(0, bytes_layout, "bytes_layout", "layout", "bytes", "What the kernel reads.");
+EXACT(0, code_bits, "code_bits", "code bits", "", "Of the code that the builder sorts by.");
+EXACT(0, stack_entries, "stack_entries", "stack", "", "Entries.");
+EXACT(0, kinds, "kinds", "kinds", "", "Of primitives, compiled in.");
+
+/* ---- of a saving ---- */
+
+TEXT(left_out, "left_out", "left out", "The setting that the choice does not need.");
+TEXT(chosen, "chosen", "chosen", "The setting of the choice.");
+TEXT(generous, "generous", "instead of", "The generous setting.");
+EXACT(0, bytes_more, "bytes_more", "more memory", "bytes", "Than the choice takes.");
+EXACT(0, ray_bytes, "ray_bytes_more", "more per ray", "bytes", "Stack of each ray in flight.");
+COLUMN(BB_COLUMN_ROUNDS, BB_SENSE_TIMED, BB_BETTER_NEITHER, 1, ms_more, "ms_more", "more time",
+       "ms", "Than the choice takes, paired round by round.");
+
+const char *const bb_fates[BB_FATES] = {
+    "raced to the end", "too slow",         "too wrong", "not measured",
+    "chosen",           "more than needed", "slower"};
+
+/* Where rows are put. */
+typedef struct rows {
+    bb_table *table;
+    const char *scene;
+} rows;
+
+/* A kernel and an intersector are one name of a cell. */
+static void name_pair(const char *kernel, const char *intersector, char *name, size_t capacity)
+{
+    snprintf(name, capacity, "%s, %s", kernel, intersector);
+}
+
+static uint32_t row_of(const rows *to, const char *question, const bb_contender *who)
+{
+    char pair[1200];
+    bb_cell cell = {{[BB_SCENE] = to->scene, [BB_QUESTION] = question}};
+    if (who != NULL) {
+        name_pair(who->kernel, who->intersector, pair, sizeof pair);
+        cell.names[BB_BUILDER] = who->builder;
+        cell.names[BB_INTERSECTOR] = pair;
+    }
+    return bb_table_row(to->table, cell);
+}
+
+/* ---- contenders ---- */
+
+static void put_figures(bb_table *table, uint32_t row, const bb_tried_figures *f)
+{
+    bb_table_set_rounds(table, row, &image_ms, &f->cost);
+    bb_table_set_number(table, row, &build_ms, f->build_ms);
+    bb_table_set_number(table, row, &layout_ms, f->layout_ms);
+    bb_table_set_number(table, row, &trace_ms, f->trace_ms);
+    bb_table_set_number(table, row, &wrong, f->wrong);
+    bb_table_set_number(table, row, &checked, f->checked);
+    bb_table_set_number(table, row, &wrong_ppm, bb_wrong_rate_of(f->wrong, f->checked).high);
+    bb_table_set_number(table, row, &bytes, f->extent.bytes);
+    bb_table_set_number(table, row, &bytes_build, f->bytes_build);
+    bb_table_set_number(table, row, &bytes_layout, f->bytes_layout);
+    if (f->extent.code_bits > 0)
+        bb_table_set_number(table, row, &code_bits, f->extent.code_bits);
+    bb_table_set_number(table, row, &stack_entries, f->extent.stack);
+    bb_table_set_number(table, row, &kinds, f->extent.kinds);
+}
+
+/* Who of a list is picked; BB_NONE_CHOSEN. */
+typedef struct picked {
+    uint32_t choice, best, least;
+} picked;
+
+static void put_pick(bb_table *table, uint32_t row, const picked *p, uint32_t i)
+{
+    const uint32_t who[] = {p->choice, p->best, p->least};
+    static const char *const words[] = {"chosen", "fastest", "least"};
+    char text[32] = "";
+    for (size_t k = 0; k < 3; k++)
+        if (who[k] == i)
+            snprintf(text + strlen(text), sizeof text - strlen(text), "%s%s",
+                     text[0] != '\0' ? ", " : "", words[k]);
+    bb_table_set_text(table, row, &pick, text);
+}
+
+/* Why it is not the choice. */
+static void put_fate(bb_table *table, uint32_t row, const bb_entered *field, uint32_t i,
+                     const picked *p)
+{
+    const bb_racer *racer = &field->racers[i];
+    const bool raced = racer->state == BB_RACING && p->best != BB_NONE_CHOSEN;
+    const uint32_t whom = raced ? p->best : racer->behind;
+    const bb_samples ratios =
+        raced ? bb_samples_ratio(&racer->cost, &field->racers[whom].cost) : racer->ratio;
+    uint32_t fate = racer->state;
+    if (i == p->choice)
+        fate = BB_CHOSEN;
+    else if (raced)
+        fate = bb_samples_median(&ratios) <= BB_ADVISE_SLACK ? BB_MORE_THAN_NEEDED : BB_SLOWER;
+    bb_table_set_text(table, row, &state, bb_fates[fate]);
+    if (fate == BB_MORE_THAN_NEEDED && p->choice != BB_NONE_CHOSEN)
+        bb_table_set_text(
+            table, row, &reason,
+            bb_extent_reason(&field->figures[p->choice].extent, &field->figures[i].extent));
+    if (fate == BB_WAS_NOT_RUN || fate == BB_WAS_WRONG)
+        bb_table_set_text(table, row, &unfit,
+                          fate == BB_WAS_WRONG ? "wrong too often" : field->figures[i].reason);
+    if (racer->heats > 0)
+        bb_table_set_number(table, row, &heats, racer->heats);
+    bb_table_set_rounds(table, row, &ratio, &ratios);
+    if (whom < field->count) {
+        char text[1800];
+        const bb_contender *other = &field->who[whom];
+        snprintf(text, sizeof text, "%s, %s, %s", other->builder, other->kernel,
+                 other->intersector);
+        bb_table_set_text(table, row, &against, text);
+    }
+}
+
+static void put_field(const rows *to, const char *question, const bb_entered *field, picked p)
+{
+    for (uint32_t i = 0; i < field->count; i++) {
+        const bb_tried_figures *f = &field->figures[i];
+        const uint32_t row = row_of(to, question, &field->who[i]);
+        put_fate(to->table, row, field, i, &p);
+        put_pick(to->table, row, &p, i);
+        if (f->measured)
+            put_figures(to->table, row, f);
+    }
+}
+
+/* ---- decisions ---- */
+
+/* `who`: whose they are; NULL: the scene's. */
+static void put_decisions(const rows *to, const bb_contender *who, const bb_entry *entry,
+                          bb_field_id field)
+{
+    bb_each_part(one, entry, field)
+    {
+        char digits[32];
+        const uint32_t row = row_of(to, bb_part_name(one), who);
+        const double number = bb_json_number(one, "value");
+        snprintf(digits, sizeof digits, "%.0f", number);
+        bb_table_set_text(to->table, row, &value,
+                          isfinite(number) ? digits : bb_json_text(one, "value"));
+        bb_table_set_text(to->table, row, &by, bb_json_text(one, "by"));
+        bb_table_set_text(to->table, row, &figure, bb_json_text(one, "figure"));
+    }
+}
+
+/* ---- the choice ---- */
+
+static void print_command(const bb_advise_request *r, const bb_contender *who, FILE *out)
+{
+    const char *const words[][2] = {{"--scene", r->scene},
+                                    {"--builder", who->builder},
+                                    {"--kernel", who->kernel},
+                                    {"--intersector", who->intersector}};
+    fputs("bvhbench run", out);
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++) {
+        fprintf(out, " %s ", words[i][0]);
+        bb_put_shell_word(out, words[i][1]);
+    }
+    for (uint32_t i = 0; i < r->ray_count; i++) {
+        fputs(i > 0 ? "," : " --rays ", out);
+        bb_put_shell_word(out, r->rays[i]);
+    }
+    fputs(r->further, out);
+}
+
+static bb_status put_choice(const rows *to, const bb_advice *a)
+{
+    const bb_contender *who = &a->field.who[a->choice];
+    const bb_tried_figures *f = &a->field.figures[a->choice];
+    const double at_most = bb_wrong_rate_of(f->wrong, f->checked).high;
+    char *text = NULL;
+    size_t size;
+    FILE *out = open_memstream(&text, &size);
+    bb_table_set_text(to->table, row_of(to, "race", who), &limit_shown,
+                      at_most <= a->request->max_wrong_ppm ? "yes" : "no");
+    put_decisions(to, who, f->build, BB_F_BUILD_DECISIONS);
+    put_decisions(to, who, f->trace, BB_F_TRACE_DECISIONS);
+    if (out != NULL)
+        print_command(a->request, who, out);
+    const bool printed = out != NULL && fclose(out) == 0;
+    if (printed)
+        bb_table_set_text(to->table, row_of(to, "again", NULL), &again, text);
+    free(text);
+    return printed ? BB_OK : bb_fail(BB_REFUSED, "advise: no memory");
+}
+
+static void put_savings(const rows *to, const bb_advice *a)
+{
+    for (uint32_t i = 0; i < a->saving_count; i++) {
+        const bb_saving *s = &a->savings[i];
+        const bb_contender who = {s->builder, s->kernel, s->intersector};
+        const char *question = strcmp(s->what, BB_EXACTNESS) == 0 ? BB_EXACTNESS : "savings";
+        const uint32_t row = row_of(to, question, &who);
+        bb_table_set_text(to->table, row, &left_out, s->what);
+        bb_table_set_text(to->table, row, &unfit, s->reason);
+        if (!s->measured)
+            continue;
+        bb_table_set_text(to->table, row, &chosen, s->was);
+        bb_table_set_text(to->table, row, &generous, s->kept);
+        bb_table_set_number(to->table, row, &wrong, s->wrong);
+        bb_table_set_number(to->table, row, &checked, s->checked);
+        bb_table_set_number(to->table, row, &bytes_more, s->bytes);
+        bb_table_set_rounds(to->table, row, &ms_more, &s->ms);
+        if (strcmp(s->what, "stack") == 0)
+            bb_table_set_number(to->table, row, &ray_bytes, 8 * (atof(s->kept) - atof(s->was)));
+    }
+}
+
+/* ---- all of it ---- */
+
+static void put_takings(const rows *to, const char *question, const bb_takings *t)
+{
+    const uint32_t row = row_of(to, question, NULL);
+    bb_table_set_number(to->table, row, &seconds, t->seconds);
+    bb_table_set_number(to->table, row, &host_bytes, t->host_bytes);
+    bb_table_set_number(to->table, row, &device_bytes, t->device_bytes);
+    bb_table_set_number(to->table, row, &held_bytes, t->held_bytes);
+}
+
+static void put_scene(const rows *to, const bb_advice *a)
+{
+    const bb_advise_request *r = a->request;
+    const double count = a->whole.scene->prim_count;
+    const uint32_t row = row_of(to, NULL, NULL);
+    char kinds_asked[1024] = "";
+    for (uint32_t i = 0; i < r->ray_count; i++)
+        snprintf(kinds_asked + strlen(kinds_asked), sizeof kinds_asked - strlen(kinds_asked),
+                 "%s%s", i > 0 ? ", " : "", r->rays[i]);
+    bb_table_set_number(to->table, row, &prims, count);
+    bb_table_set_number(to->table, row, &image_rays, r->image_rays);
+    bb_table_set_text(to->table, row, &ray_kinds, kinds_asked);
+    bb_table_set_number(to->table, row, &limit, r->max_wrong_ppm);
+    bb_table_set_number(to->table, row, &slack, BB_ADVISE_SLACK);
+    bb_table_set_number(to->table, row, &sample_prims, round(count / a->sample.factor));
+    bb_table_set_number(to->table, row, &scout_slack, a->scout_slack);
+    bb_table_set_number(to->table, row, &unlikely, a->unlikely);
+    bb_table_set_number(to->table, row, &heats, a->heats);
+    if (a->choice != BB_NONE_CHOSEN)
+        bb_table_set_number(to->table, row, &within, a->within);
+    bb_table_set_text(to->table, row, &preliminary, a->preliminary);
+}
+
+bb_status bb_advice_fill(const bb_advice *a, bb_table *table)
+{
+    const rows to = {table, a->request->scene};
+    const picked nobody = {BB_NONE_CHOSEN, BB_NONE_CHOSEN, BB_NONE_CHOSEN};
+    put_scene(&to, a);
+    put_decisions(&to, NULL, a->scene, BB_F_SCENE_DECISIONS);
+    put_field(&to, "race", &a->field, (picked){a->choice, a->best, BB_NONE_CHOSEN});
+    put_field(&to, "exhaustive search", &a->all,
+              (picked){a->all_choice, a->all_best, a->all_least});
+    put_field(&to, "kernels, intersectors", &a->scouts, nobody);
+    put_field(&to, "builders", &a->builders, nobody);
+    put_savings(&to, a);
+    put_takings(&to, "foretold", &a->foretold);
+    put_takings(&to, "taken", &a->taken);
+    if (a->choice != BB_NONE_CHOSEN)
+        BB_TRY(put_choice(&to, a));
+    return bb_table_status(table);
+}
