@@ -188,6 +188,48 @@ static void rows_are_ordered_the_best_first(void **state)
     bb_table_free(table);
 }
 
+static void rows_are_chosen_by_question_and_text(void **state)
+{
+    (void)state;
+    bb_table *table = sample_table();
+    bb_table_view view = ways;
+    view.having = "refused";
+    bb_page *page = view_page(&view, table, "b");
+    assert_int_equal(bb_page_block(page, 0)->item_count, bb_page_block(page, 0)->head_count);
+    assert_string_equal(item_of(page, 0, "refused")->text, "has no octree");
+    bb_page_free(page);
+    view.having = NULL;
+    view.question = "z";
+    page = view_page(&view, table, "b");
+    assert_int_equal(bb_page_block_count(page), 0);
+    bb_page_free(page);
+    const bb_cell cell = {
+        {[BB_SCENE] = "b", [BB_QUESTION] = "z", [BB_BUILDER] = "aac", [BB_INTERSECTOR] = "skip"}};
+    bb_table_set_text(table, bb_table_row(table, cell), &column_note, "asked");
+    page = view_page(&view, table, "b");
+    assert_string_equal(item_of(page, 0, "builder")->text, "aac");
+    bb_page_free(page);
+    bb_table_free(table);
+}
+
+static void more_rows_are_counted(void **state)
+{
+    (void)state;
+    bb_table *table = sample_table();
+    bb_table_view view = ways;
+    for (view.most = 1; view.most <= 4; view.most++) {
+        bb_page *page = view_page(&view, table, "b");
+        const uint32_t shown = view.most < 3 ? view.most : 3;
+        assert_int_equal(bb_page_block(page, 0)->item_count,
+                         shown * bb_page_block(page, 0)->head_count);
+        assert_int_equal(bb_page_block_count(page), shown < 3 ? 2 : 1);
+        if (view.most == 2)
+            assert_string_equal(bb_page_block(page, 1)->text, "and 1 more");
+        bb_page_free(page);
+    }
+    bb_table_free(table);
+}
+
 /* Those whose interval includes the best value are best, too. */
 static void ties_are_marked(void **state)
 {
@@ -443,6 +485,8 @@ int main(int argc, char **argv)
         cmocka_unit_test(empty_columns_are_left_out),
         cmocka_unit_test(rows_of_several_scenes_are_geometric_means),
         cmocka_unit_test(rows_are_ordered_the_best_first),
+        cmocka_unit_test(rows_are_chosen_by_question_and_text),
+        cmocka_unit_test(more_rows_are_counted),
         cmocka_unit_test(ties_are_marked),
         cmocka_unit_test(dimensions_choose_rows),
         cmocka_unit_test(a_page_is_text),

@@ -6,13 +6,13 @@
 #include <string.h>
 
 #define OF_CONTENDERS (BB_SET(BB_BUILDER) | BB_SET(BB_INTERSECTOR))
-#define LIST(name, title)                                                                          \
+#define LIST(name, by, title)                                                                      \
     {                                                                                              \
-        .caption = title, .question = name, .rows = OF_CONTENDERS, .order = "ratio", .columns = {  \
+        .caption = title, .question = name, .rows = OF_CONTENDERS, .order = by, .columns = {       \
             {{"state"}, NULL, false},                                                              \
             {{"ratio"}, NULL, false},                                                              \
-            {{"image_ms"}, NULL, false},                                                           \
             {{"bytes"}, NULL, false},                                                              \
+            {{"image_ms"}, NULL, false},                                                           \
             {{"reason"}, NULL, false}                                                              \
         }                                                                                          \
     }
@@ -58,10 +58,10 @@ static const bb_table_view views[] = {
                  {{"bytes_more"}, NULL, false},
                  {{"ms_more"}, NULL, false}}},
     PICKED("exhaustive search", "Of all that was ever tried, with all rays"),
-    LIST("race", "The race"),
-    LIST("kernels, intersectors", "Scouts: kernels and intersectors, on one builder's trees"),
-    LIST("builders", "Scouts: builders, by one kernel"),
-    LIST("exhaustive search", "The exhaustive search"),
+    LIST("race", "ratio", "The race"),
+    LIST("kernels, intersectors", "image_ms", "Scouts: kernels and intersectors, on a tree"),
+    LIST("builders", "image_ms", "Scouts: builders, by one kernel"),
+    LIST("exhaustive search", "ratio", "The exhaustive search"),
     {.caption = "Wrong too often, or not measured",
      .having = "unfit",
      .rows = BB_SET(BB_QUESTION) | OF_CONTENDERS,
