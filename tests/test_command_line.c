@@ -50,6 +50,8 @@ static void help_is_where_it_is_looked_for(void **state)
     assert_string_equal(o->out, "");
     assert_non_null(strstr(o->err, "usage: bvhbench"));
     refuses("", "help fly", "unknown command 'fly': see");
+    refuses("", "help run extra", "leave 'extra' out");
+    refuses("", "help --help run", "leave 'run' out");
 }
 
 static void nearly_known_words_are_named(void **state)

@@ -129,6 +129,25 @@ static void overlaps_are_compared_and_drawn(void **state)
     assert_true(read_file("lapped/apart-three-quarter.png", png, sizeof png) > 1000);
 }
 
+/* Device code that is broken on purpose, in one of two searches. */
+static void answers_that_differ_are_status_1(void **state)
+{
+    (void)state;
+    char command[1024];
+    snprintf(command, sizeof command,
+             "mkdir -p %s/kernels && sed 's/inside = found.tet != BB_NONE;/inside = (found.tet != "
+             "BB_NONE) << BB_LOCATE_OCTREE;/' " BB_TEST_SOURCE_DIR
+             "/kernels/slice_tets.cl >%s/kernels/slice_tets.cl",
+             folder, folder);
+    assert_int_equal(system(command), 0);
+    const char *slices = "slice --scene tets:side=3 --builder olbvh --size 8x8 --slices 1 "
+                         "--repeats 1 --quiet --out differ";
+    expect(0, slices, "olbvh");
+    snprintf(command, sizeof command, "%s --kernels-from kernels", slices);
+    expect(1, command, "olbvh");
+    expect(0, "report differ/slice.json", "answers differ from those of the first way");
+}
+
 /* Nothing is left of a mesh and itself: no picture, and no failure. */
 static void a_mesh_overlaps_itself(void **state)
 {
@@ -222,6 +241,7 @@ int main(void)
         cmocka_unit_test(the_first_way_may_be_refused),
         cmocka_unit_test(slices_are_compared_and_drawn),
         cmocka_unit_test(overlaps_are_compared_and_drawn),
+        cmocka_unit_test(answers_that_differ_are_status_1),
         cmocka_unit_test(a_mesh_overlaps_itself),
         cmocka_unit_test(a_scene_may_be_there_twice),
         cmocka_unit_test(names_that_are_alike_are_two),

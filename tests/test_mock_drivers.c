@@ -14,7 +14,7 @@ static void limits_of_nothing(void **state)
     refuses(MOCK("MOCK_GPU_LOCAL=0"), RUN, "Mock GPU gives 0 as CL_DEVICE_LOCAL_MEM_SIZE");
     refuses(MOCK("MOCK_GPU_LARGEST=0"), RUN, "Mock GPU gives 0 as CL_DEVICE_MAX_MEM_ALLOC_SIZE");
     refuses(MOCK("MOCK_GPU_MEMORY=0"), RUN, "Mock GPU gives 0 as CL_DEVICE_GLOBAL_MEM_SIZE");
-    assert_int_equal(run_with(MOCK("MOCK_GPU_UNITS=0"), RUN)->exit_status, 0);
+    refuses(MOCK("MOCK_GPU_UNITS=0"), RUN, "Mock GPU gives 0 as CL_DEVICE_MAX_COMPUTE_UNITS");
     assert_int_not_equal(run_with(MOCK("MOCK_GPU_KERNEL_GROUP=trace:0"), RUN)->exit_status, 2);
     assert_int_equal(counted("launches trace"), 0);
     const outcome *o = run_with("", "report --table out");

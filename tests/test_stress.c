@@ -332,7 +332,8 @@ static void refuses_what_makes_no_sense(void **state)
     refuses("", "stress --axis nowhere --out p", "'nowhere' is no axis and no file");
     refuses("", "stress --axis broken.json --out p", "axis broken.json: the file is no JSON");
     refuses("", "stress --axis /dev/zero --out p", "axis");
-    refuses("", "stress --axis crowd.json,crowd.json --out p", "two axes are called crowd");
+    refuses("", "stress --axis crowd.json,crowd.json --out p", "'crowd.json' is given twice");
+    refuses("", "stress --axis crowd.json,./crowd.json --out p", "two axes are called crowd");
     refuses("", "stress --builder lbvx --out p", "lbvx");
     refuses("", "stress --builder lbvh:bits=65 --axis duplicates --out p", "'65', must be");
     refuses("", "stress --builder lbvh+trbvh:rounds=0 --axis duplicates --out p", "'0', must be");

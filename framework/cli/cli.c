@@ -139,9 +139,14 @@ static bool is_help(const char *word)
     return strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0;
 }
 
-static int help(const char *name)
+/* `argv`: the words after "help". */
+static int help(char **argv)
 {
     const bb_command *command;
+    const char *name = argv[0];
+    if (name != NULL && argv[1] != NULL)
+        return end(bb_fail(BB_INVALID, "help: leave '%.80s' out: one command at a time", argv[1]),
+                   BB_EXIT_CANNOT);
     if (name == NULL || is_help(name)) {
         print_overview(stdout);
         return end(BB_OK, BB_EXIT_OK);
@@ -180,9 +185,9 @@ int bb_main(int argc, char **argv)
         return BB_EXIT_CANNOT;
     }
     if (strcmp(argv[1], "help") == 0)
-        return help(argv[2]);
+        return help(argv + 2);
     if (is_help(argv[1]))
-        return help(NULL);
+        return help(argv + argc);
     if (strcmp(argv[1], "--version") == 0 || strcmp(argv[1], "version") == 0) {
         printf("bvhbench %s (%s)\n", bb_build_version, bb_build_revision);
         return end(BB_OK, BB_EXIT_OK);

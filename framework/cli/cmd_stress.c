@@ -97,22 +97,6 @@ static bb_status choose_methods(wanted *w)
     return add_methods(&w->intersectors, BB_AN_INTERSECTOR, w);
 }
 
-static bb_status choose_axes(bb_names *names)
-{
-    const bb_names given = *names;
-    names->count = 0;
-    for (size_t i = 0; i < given.count; i++)
-        if (strcmp(given.items[i], "all") != 0)
-            names->items[names->count++] = given.items[i];
-        else
-            free(given.items[i]);
-    if (names->count == given.count)
-        return BB_OK;
-    for (const bb_axis_source *s = bb_axis_sources; s->name != NULL; s++)
-        BB_TRY(bb_names_add(names, s->name));
-    return BB_OK;
-}
-
 /* ---- what a point depends on besides its own parameters ---- */
 
 static const char here[] = "in the library's code";
@@ -192,7 +176,7 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
     wanted *w = values;
     bb_stress_request *r = &w->request;
     BB_TRY(bb_load_plugins(&w->device.plugins));
-    BB_TRY(choose_axes(&w->axes));
+    BB_TRY(bb_choose_axes(&w->axes));
     BB_TRY(choose_methods(w));
     BB_TRY(identify(cli, &w->device, &r->identity));
     r->limits.seconds = w->seconds;

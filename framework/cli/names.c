@@ -6,6 +6,7 @@
 #include "framework/device/device_private.h"
 #include "framework/record/cell.h"
 #include "framework/scene/scene.h"
+#include "framework/stress/axis.h"
 #include "framework/tree/metric.h"
 #include "framework/workload/workload.h"
 #include "traversal/traversal.h"
@@ -273,4 +274,17 @@ bb_status bb_choose_metrics(bb_names *names)
 {
     static const list metrics = {"metrics", add_all_metrics, offsetof(spelt, other)};
     return choose(&metrics, NULL, names);
+}
+
+static bb_status add_all_axes(bb_names *names)
+{
+    for (const bb_axis_source *s = bb_axis_sources; s->name != NULL; s++)
+        BB_TRY(bb_names_add_item(names, s->name));
+    return BB_OK;
+}
+
+bb_status bb_choose_axes(bb_names *names)
+{
+    static const list axes = {"axis", add_all_axes, offsetof(spelt, other)};
+    return choose(&axes, NULL, names);
 }

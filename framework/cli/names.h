@@ -29,6 +29,7 @@ bb_status bb_choose_kernels(bb_names *names, const char *device);
 bb_status bb_choose_rays(bb_names *names);
 bb_status bb_choose_intersectors(bb_names *names);
 bb_status bb_choose_metrics(bb_names *names);
+bb_status bb_choose_axes(bb_names *names);
 
 /* BB_INVALID if `text` is most likely a misspelt name of a scene, or the folder of the shipped
  * scenes is missing. bb_scene_load() finds all other errors. */

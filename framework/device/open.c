@@ -181,7 +181,8 @@ static bb_status check_limits(const bb_device *device, cl_ulong global, cl_ulong
     } limits[] = {{"CL_DEVICE_GLOBAL_MEM_SIZE", global},
                   {"CL_DEVICE_MAX_MEM_ALLOC_SIZE", largest},
                   {"CL_DEVICE_LOCAL_MEM_SIZE", local},
-                  {"CL_DEVICE_MAX_WORK_GROUP_SIZE", device->max_group_size}};
+                  {"CL_DEVICE_MAX_WORK_GROUP_SIZE", device->max_group_size},
+                  {"CL_DEVICE_MAX_COMPUTE_UNITS", device->compute_units}};
     for (size_t i = 0; i < sizeof limits / sizeof limits[0]; i++)
         if (limits[i].limit == 0)
             return bb_fail(BB_FAILED,
@@ -196,7 +197,7 @@ static bb_status check_limits(const bb_device *device, cl_ulong global, cl_ulong
 static bb_status query_device(bb_device *device)
 {
     cl_device_type type = 0;
-    cl_uint units = 1;
+    cl_uint units = 0;
     cl_ulong global = 0, largest = 0, local = 0;
     const struct {
         cl_device_info what;
@@ -218,10 +219,9 @@ static bb_status query_device(bb_device *device)
         BB_CL_TRY(
             clGetDeviceInfo(device->id, queries[i].what, queries[i].size, queries[i].out, NULL),
             "asking the device what it is");
+    device->compute_units = units;
     BB_TRY(check_limits(device, global, largest, local));
     device->is_cpu = (type & CL_DEVICE_TYPE_CPU) != 0;
-    device->compute_units =
-        units > 0 ? units : 1; /* some drivers report 0; work is divided by it */
     device->global_bytes = global;
     device->largest_allocation = largest;
     device->local_bytes = local;
