@@ -3,7 +3,7 @@
  */
 #include "framework/base/clock.h"
 #include "framework/base/random.h"
-#include "framework/bench/audit.h"
+#include "framework/bench/audit_results.h"
 #include "framework/builder/registry.h"
 #include "framework/embree/embree.h"
 #include "framework/judge/queries.h"
@@ -182,7 +182,7 @@ static bb_timing time_trace(bed *b, const bb_buffer *rays, bb_buffer *hits, bool
     check(bb_stopwatch_start(device, &watch), "start");
     check(bb_pass_launch(&pass, RAYS), "trace");
     double early = bb_wall_ms() - watch.wall;
-    check(bb_stopwatch_stop(&watch, &timing), "stop");
+    check(bb_stopwatch_stop(&watch, BB_OK, &timing), "stop");
     timing.ms = too_early ? early : timing.ms;
     return timing;
 }
@@ -234,7 +234,7 @@ static void builds_and_layouts_are_timed_to_their_end(void **state)
     check(
         bb_layout_maker_make(&b.maker, b.scene, &b.instance.tree, 1, BB_FORMAT_VERTICES, &b.layout),
         "layout");
-    check(bb_stopwatch_stop(&watch, &made), "stop");
+    check(bb_stopwatch_stop(&watch, BB_OK, &made), "stop");
     assert_true(made.event_ms > 0);
     bb_audit_timing(&audit, "layout", &made, true);
     if (audit.complaints > 0)

@@ -118,6 +118,9 @@ static void volumes_are_compared(void **state)
     assert_true(number(table, scene_cell(FULL), "bricks_seen") ==
                 number(table, scene_cell(FULL), "bricks"));
     assert_true(number(table, scene_cell(FULL), "bricks_seen_percent") == 100);
+    /* of each scene in 7 rounds 2 builds, 4 layouts, and 3 pictures by 5 ways */
+    assert_true(bb_table_get_number(table, 0, "timings") == 2 * 7 * (2 + 4 + 3 * 5));
+    assert_true(bb_table_get_number(table, 0, "clock_complaints") == 0);
     assert_true(bb_table_get_number(table, 0, "step") == 0.5);
     assert_true(bb_table_get_number(table, 0, "cutoff") == 0);
     assert_string_equal(text(table, question_cell(BONE, "front"), "picture"),

@@ -19,21 +19,19 @@ static uint64_t overlap(const bb_scene *scene, bb_scene *other, const tet_way *w
 {
     const uint32_t count = tets_of(scene);
     searched s = {0};
-    bb_overlapper *overlapper;
+    bb_overlapper overlapper = bb_overlapper_init;
     bb_buffer there, counted;
     bb_count *counts = malloc(count * sizeof *counts);
     uint32_t *again = malloc(count * sizeof *again);
     uint64_t tests = 0;
     open_search(&s, other, way);
-    check(bb_overlapper_create(device, &overlapper), "overlapper");
-    if (floats)
-        bb_overlapper_take_floats(overlapper);
+    overlapper.overlap.floats = overlapper.inside.floats = floats;
     make_buffer(&there, NULL, count * sizeof *results);
     make_buffer(&counted, NULL, count * sizeof *counts);
     for (int counting = 0; counting < 2; counting++) {
         uint32_t *to = counting ? again : results;
         check(bb_buffer_fill(&there, count * sizeof *results, BB_POISON), "poison");
-        check(bb_overlap(overlapper, scene, &s.search, way->boundary, &there,
+        check(bb_overlap(&overlapper, scene, &s.search, way->boundary, &there,
                          counting ? &counted : NULL),
               "overlap");
         check(bb_buffer_read(&there, 0, count * sizeof *results, to), "results");
@@ -44,7 +42,7 @@ static uint64_t overlap(const bb_scene *scene, bb_scene *other, const tet_way *w
         tests += counts[i].prims;
     bb_buffer_release(&there);
     bb_buffer_release(&counted);
-    bb_overlapper_destroy(overlapper);
+    bb_overlapper_release(&overlapper);
     close_search(&s);
     free(counts);
     free(again);
@@ -210,7 +208,7 @@ static void what_is_too_far_is_refused(void **state)
     (void)state;
     const lattice l = {1, 0, 0, {0, 0, 0}, 0x1p-4};
     bb_scene *cube = make_lattice(&l, 1), *far = calloc(1, sizeof *far);
-    bb_overlapper *overlapper;
+    bb_overlapper overlapper = bb_overlapper_init;
     static const float corners[4][3] = {
         {0.5f, 0.5f, 2}, {0.3f, 0.4f, -1e30f}, {0.5f, 0.5f, -1}, {0.6f, 0.5f, -1}};
     check(bb_scene_reserve(far, 4, &(bb_prim_counts){.of = {[BB_TETRAHEDRON] = 1}}), "far");
@@ -218,13 +216,14 @@ static void what_is_too_far_is_refused(void **state)
     for (uint32_t i = 0; i < 4; i++)
         ((uint32_t *)far->prims[BB_TETRAHEDRON].data)[i] = i;
     check(bb_scene_finish(far), "far");
-    check(bb_overlapper_create(device, &overlapper), "overlapper");
+    check(bb_scene_upload(cube, device), "cube");
+    check(bb_scene_upload(far, device), "far");
     if (cube->scale >= 0x1p30f)
-        assert_int_equal(bb_overlap_check(overlapper, far, cube), BB_UNSUPPORTED);
-    assert_int_equal(bb_overlap_check(overlapper, cube, far), BB_OK);
-    bb_overlapper_take_floats(overlapper);
-    assert_int_equal(bb_overlap_check(overlapper, far, cube), BB_UNSUPPORTED);
-    bb_overlapper_destroy(overlapper);
+        assert_int_equal(bb_overlap_check(&overlapper, far, cube), BB_UNSUPPORTED);
+    assert_int_equal(bb_overlap_check(&overlapper, cube, far), BB_OK);
+    overlapper.overlap.floats = true;
+    assert_int_equal(bb_overlap_check(&overlapper, far, cube), BB_UNSUPPORTED);
+    bb_overlapper_release(&overlapper);
     bb_scene_free(cube);
     bb_scene_free(far);
 }
@@ -233,15 +232,14 @@ static void what_cannot_be_is_refused(void **state)
 {
     (void)state;
     bb_scene *scene = NULL;
-    bb_overlapper *overlapper;
+    bb_overlapper overlapper = bb_overlapper_init;
     bb_buffer none = {0};
     searched s = {0};
     check(bb_scene_load("tets:side=1", &scene), "tets");
     check(bb_scene_upload(scene, device), "tets");
     open_search(&s, scene, &tet_ways[0]);
-    check(bb_overlapper_create(device, &overlapper), "overlapper");
-    assert_int_equal(bb_overlap(overlapper, scene, &s.search, true, &none, NULL), BB_UNSUPPORTED);
-    bb_overlapper_destroy(overlapper);
+    assert_int_equal(bb_overlap(&overlapper, scene, &s.search, true, &none, NULL), BB_UNSUPPORTED);
+    bb_overlapper_release(&overlapper);
     close_search(&s);
     bb_scene_free(scene);
 }

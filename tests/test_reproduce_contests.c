@@ -1,6 +1,6 @@
 /* `reproduce olbvh` and `reproduce volume` on made-up contests: which claims hold. That they run:
  * test_reproduce.c. */
-#include "framework/contest/contest_table.h"
+#include "framework/measure/contest_table.h"
 #include "tests/paper_fixture.h"
 
 /* Of a way, ms; and of its tree. */
@@ -101,16 +101,16 @@ typedef struct volume {
 
 static void add_volume(bb_table *table, const char *scene, volume v)
 {
-    static bb_contest_way way;
     const made_up ways[] = {{"", "", 0, 0, 100, 0},
                             {"vlbvh", "stack", v.build, v.vote, v.answer, 0}};
     for (int w = 0; w < 2; w++) {
         bb_samples all = {.count = 0};
         fill(table, scene, ways[w]);
-        way.builder = ways[w].builder;
-        way.search = ways[w].search;
         add_rounds(&all, w == 0 ? 100 : v.frame);
-        bb_table_set_rounds(table, bb_contest_row(table, scene, &way), &frame, &all);
+        const bb_cell cell = {{[BB_SCENE] = scene,
+                               [BB_BUILDER] = ways[w].builder,
+                               [BB_INTERSECTOR] = w == 0 ? "no tree" : ways[w].search}};
+        bb_table_set_rounds(table, bb_table_row(table, cell), &frame, &all);
     }
 }
 

@@ -19,18 +19,16 @@ static void slice(const bb_slice_args *args, bb_scene *scene, const tet_way *way
 {
     const uint32_t count = args->size[0] * args->size[1];
     searched s = {0};
-    bb_slicer *slicer;
+    bb_tet_kernels slicer = bb_slice_kernels;
     bb_buffer there, counted;
     bb_sliced *again = malloc(count * sizeof *again);
     open_search(&s, scene, way);
-    check(bb_slicer_create(scene, &slicer), "slicer");
-    if (floats)
-        bb_slicer_take_floats(slicer);
+    slicer.floats = floats;
     make_buffer(&there, NULL, count * sizeof *results);
     make_buffer(&counted, NULL, count * sizeof(bb_count));
     for (int counting = 0; counting < 2; counting++) {
         check(bb_buffer_fill(&there, count * sizeof *results, BB_POISON), "poison");
-        check(bb_slice(slicer, &s.search, way->boundary, args, &there, counting ? &counted : NULL),
+        check(bb_slice(&slicer, &s.search, way->boundary, args, &there, counting ? &counted : NULL),
               "slice");
         check(bb_buffer_read(&there, 0, count * sizeof *results, counting ? again : results),
               "results");
@@ -38,7 +36,7 @@ static void slice(const bb_slice_args *args, bb_scene *scene, const tet_way *way
     assert_memory_equal(results, again, count * sizeof *again);
     bb_buffer_release(&there);
     bb_buffer_release(&counted);
-    bb_slicer_destroy(slicer);
+    bb_tet_kernels_release(&slicer);
     close_search(&s);
     free(again);
 }
@@ -254,7 +252,6 @@ static void plans_that_cannot_be_are_refused(void **state)
         {.axis = 2, .width = 8, .height = 8, .count = 0, .thickness = 1},
     };
     bb_scene *scene = NULL, *cube = NULL;
-    bb_slicer *slicer;
     check(bb_scene_load("tets:side=1", &scene), "tets");
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         bb_slice_plan plan = bad[i];
@@ -268,7 +265,9 @@ static void plans_that_cannot_be_are_refused(void **state)
     }
     bb_scene_free(scene);
     check(bb_scene_load("cube", &cube), "cube");
-    assert_int_equal(bb_slicer_create(cube, &slicer), BB_UNSUPPORTED);
+    assert_int_equal(
+        bb_slice_plan_check(cube, &(bb_slice_plan){.width = 2, .height = 2, .count = 1}),
+        BB_UNSUPPORTED);
     bb_scene_free(cube);
 }
 
@@ -276,7 +275,7 @@ static void boundaries_need_cells(void **state)
 {
     (void)state;
     bb_scene *scene = NULL;
-    bb_slicer *slicer;
+    bb_tet_kernels slicer = bb_slice_kernels;
     bb_buffer none = {0};
     searched s = {0};
     bb_slice_plan plan = {.width = 2, .height = 2, .count = 1};
@@ -285,9 +284,8 @@ static void boundaries_need_cells(void **state)
     check(bb_slice_plan_check(scene, &plan), "plan");
     const bb_slice_args args = bb_slice_at(scene, &plan, 0);
     open_search(&s, scene, &tet_ways[0]);
-    check(bb_slicer_create(scene, &slicer), "slicer");
-    assert_int_equal(bb_slice(slicer, &s.search, true, &args, &none, NULL), BB_UNSUPPORTED);
-    bb_slicer_destroy(slicer);
+    assert_int_equal(bb_slice(&slicer, &s.search, true, &args, &none, NULL), BB_UNSUPPORTED);
+    bb_tet_kernels_release(&slicer);
     close_search(&s);
     bb_scene_free(scene);
 }

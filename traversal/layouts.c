@@ -158,9 +158,7 @@ static bb_status make_timed(bb_layout_maker *maker, const bb_scene *scene, bb_tr
     bb_stopwatch watch;
     BB_TRY(bb_stopwatch_start(maker->device, &watch));
     bb_status status = make(maker, scene, tree, leaf, same_links, data, &traced);
-    bb_status stopped = bb_stopwatch_stop(&watch, &data->timing);
-    BB_TRY(status);
-    BB_TRY(stopped);
+    BB_TRY(bb_stopwatch_stop(&watch, status, &data->timing));
     data->sah = NAN;
     if (leaf > 1) {
         if (data->keeps_shape) { /* outside the clock */

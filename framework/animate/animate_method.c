@@ -249,9 +249,7 @@ static bb_status trace_set(bb_animate *a, bb_animate_runner *runner, uint32_t in
     BB_TRY(bb_pass_poison(&pass, rays->count));
     BB_TRY(bb_stopwatch_start(a->device, &watch));
     bb_status status = bb_pass_launch(&pass, rays->count);
-    bb_status stopped = bb_stopwatch_stop(&watch, &timing);
-    BB_TRY(status);
-    BB_TRY(stopped);
+    BB_TRY(bb_stopwatch_stop(&watch, status, &timing));
     trace->rays[set][round] = timing.ms;
     size_t bytes = rays->count * rays->query->result_bytes;
     BB_TRY(bb_buffer_read(&a->d_answers, 0, bytes, a->results));

@@ -39,7 +39,7 @@ static double own_ms(void)
 
 void bb_bystanders_start(bb_bystanders *watch)
 {
-    *watch = (bb_bystanders){bb_wall_ms(), all_ms(), own_ms()};
+    *watch = (bb_bystanders){bb_wall_ms(), all_ms(), own_ms(), false};
 }
 
 double bb_bystanders_share(const bb_bystanders *watch)

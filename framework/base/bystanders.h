@@ -2,8 +2,11 @@
 #ifndef BB_BYSTANDERS_H
 #define BB_BYSTANDERS_H
 
+#include <stdbool.h>
+
 typedef struct bb_bystanders {
     double wall_ms, all_ms, own_ms; /* at the start; all_ms counts all processors, NAN: unknown */
+    bool warned;                    /* the user was warned of them */
 } bb_bystanders;
 
 void bb_bystanders_start(bb_bystanders *watch);

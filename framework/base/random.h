@@ -40,6 +40,16 @@ static inline uint32_t bb_random_below(bb_random *random, uint32_t limit)
     return (uint32_t)(((bb_random_u64(random) >> 32) * limit) >> 32);
 }
 
+/* order[0..count) = a random permutation of 0 .. count - 1. */
+static inline void bb_random_order(bb_random *random, uint32_t *order, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t k = bb_random_below(random, i + 1);
+        order[i] = order[k];
+        order[k] = i;
+    }
+}
+
 /* Returns a number in [0, 1) with 53 bits. */
 static inline double bb_random_unit(bb_random *random)
 {

@@ -37,11 +37,7 @@ bb_status bb_bench_end(bb_bench *bench, bb_step step, const char *name, bb_statu
 void bb_bench_shuffle(bb_bench *bench, uint32_t *order, uint32_t count)
 {
     bb_random random = {bench->random};
-    for (uint32_t i = 0; i < count; i++) {
-        uint32_t k = (uint32_t)bb_random_below(&random, i + 1);
-        order[i] = order[k];
-        order[k] = i;
-    }
+    bb_random_order(&random, order, count);
     bench->random = bb_random_u64(&random);
 }
 

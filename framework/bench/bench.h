@@ -3,7 +3,7 @@
 #ifndef BB_BENCH_H
 #define BB_BENCH_H
 
-#include "framework/bench/audit.h"
+#include "framework/bench/audit_results.h"
 #include "framework/device/device.h"
 #include "framework/judge/oracle.h"
 #include "framework/record/record.h"

@@ -84,26 +84,6 @@ static bb_status check_tree(bb_bench *bench, bb_entrant *entrant)
     return bb_bench_end(bench, step, "check trees, SAH", BB_OK);
 }
 
-/* Checks that the time by the device's clock, or by a host builder's phases, lies within the wall
- * time. */
-static void audit_step(bb_bench *bench, const bb_entrant *entrant, const bb_build_step *step)
-{
-    char what[256];
-    const bb_phases *phases = &step->phases;
-    bb_timing seen = step->timing.timing;
-    if (phases->device == NULL) {
-        double inside = -phases->outside_ms;
-        for (uint32_t i = 0; i < phases->count; i++)
-            inside += phases->ms[i];
-        seen.event_ms = seen.event_ms > inside ? seen.event_ms : inside;
-    }
-    bool alone = entrant->pipeline.count == 1;
-    snprintf(what, sizeof what, "build of %.100s by %.100s%s%.40s", bench->scene->name,
-             entrant->text, alone ? "" : ", ", alone ? "" : step->label);
-    bb_audit_timing(&bench->outcome->audit, what, &seen,
-                    phases->used_device || (phases->device == NULL && phases->count > 0));
-}
-
 static void record_timing(bb_bench *bench, bb_entrant *entrant, const bb_build_timing *timing)
 {
     bb_build_record *record = &entrant->record;
@@ -134,8 +114,7 @@ static bb_status timed_build(bb_bench *bench, bb_entrant *entrant, bool exact)
     bb_account_mark(&instance->account);
     BB_TRY(bb_instance_build(instance, bench->scene, exact, &timing));
     bb_resident_note(bench);
-    for (uint32_t i = 0; i < instance->step_count; i++)
-        audit_step(bench, entrant, &instance->steps[i]);
+    bb_audit_build(&bench->outcome->audit, bench->scene->name, instance);
     if (!exact) {
         bench->outcome->times.build_ms += timing.timing.ms;
         BB_TRY(bb_bench_end(bench, step, "prepare, restore, warm up", BB_OK));

@@ -3,14 +3,13 @@
 #ifndef BB_BENCH_PRIVATE_H
 #define BB_BENCH_PRIVATE_H
 
-#include "framework/base/bystanders.h"
 #include "framework/base/interrupt.h"
 #include "framework/base/progress.h"
 #include "framework/bench/bench.h"
-#include "framework/bench/launches.h"
 #include "framework/builder/instance.h"
 #include "framework/embree/embree.h"
 #include "framework/judge/judge.h"
+#include "framework/measure/launches.h"
 #include "framework/rays/rays.h"
 #include "framework/workload/workload.h"
 #include "traversal/traversal.h"
@@ -79,7 +78,6 @@ typedef struct bb_bench {
     const bb_scene_part *part; /* of the current scene */
     uint32_t set;              /* number of its next ray set */
     bb_bystanders bystanders;  /* watched since the start */
-    bool warned;               /* the user was warned of bystanders */
     const char *scene_text;    /* as asked for; scene->name may be its end only */
     bb_oracle *oracle;
     bb_kernel_choice kernels[BB_KERNELS_MAX];

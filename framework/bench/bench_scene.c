@@ -10,7 +10,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 /* Measures the making of the primitives' boxes. They are the input of all builders and no builder's
  * work. */
@@ -23,10 +22,7 @@ static bb_status measure_boxes(bb_bench *bench, bb_samples *ms)
         bb_stopwatch watch;
         bb_timing timing;
         BB_TRY(bb_stopwatch_start(bench->device, &watch));
-        bb_status status = bb_scene_make_boxes(bench->scene);
-        bb_status stopped = bb_stopwatch_stop(&watch, &timing);
-        BB_TRY(status);
-        BB_TRY(stopped);
+        BB_TRY(bb_stopwatch_stop(&watch, bb_scene_make_boxes(bench->scene), &timing));
         bb_audit_timing(&bench->outcome->audit, what, &timing, true);
         bb_samples_add(ms, timing.ms);
     }
@@ -243,29 +239,6 @@ static void end_scene(bb_bench *bench)
     (void)bb_bench_end(bench, step, "free scenes", BB_OK);
 }
 
-/* Warns before the work if other programs keep the machine busy, as seen while loading and
- * compiling. */
-static void warn_of_bystanders(bb_bench *bench)
-{
-    const bb_bystanders *watch = &bench->bystanders;
-    const double share = bb_bystanders_share(watch);
-    const long processors = sysconf(_SC_NPROCESSORS_ONLN);
-    const double shortest_ms = 200; /* shortest span that ticks of 10 ms can measure */
-    if (bench->warned)
-        return;
-    bench->warned = true;
-    if (!bench->device->is_cpu)
-        bb_progress_note(bench->progress,
-                         "what other programs do on %s cannot be seen: keep them off it; only "
-                         "processors are watched, on which host code and transfers depend",
-                         bench->device->name);
-    if (bb_wall_ms() - watch->wall_ms > shortest_ms && share > 0.25 * (double)processors)
-        bb_progress_note(bench->progress,
-                         "WARNING: the machine is busy: other programs keep %.2g of %ld processors "
-                         "at work, and times will be noisy",
-                         share, processors);
-}
-
 bb_status bb_bench_scene(bb_bench *bench, const char *name)
 {
     bb_status status = load_scene(bench, name);
@@ -274,7 +247,7 @@ bb_status bb_bench_scene(bb_bench *bench, const char *name)
     if (status == BB_OK)
         status = start_entrants(bench);
     if (status == BB_OK) {
-        warn_of_bystanders(bench);
+        bb_warn_of_bystanders(&bench->bystanders, bench->device, bench->progress);
         status = bb_bench_builds(bench);
     }
     if (status == BB_OK)

@@ -73,8 +73,7 @@ static bb_status trace_batch(trace_set *set, const bb_pass *pass, uint32_t count
     uint64_t before = bb_tracer_launched(pass->tracer);
     bb_status status = bb_pass_launch(pass, count);
     *timed += bb_tracer_launched(pass->tracer) - before;
-    bb_status stopped = bb_stopwatch_stop(&watch, timing);
-    return status != BB_OK ? status : stopped;
+    return bb_stopwatch_stop(&watch, status, timing);
 }
 
 /* Traces with the reference, which uses the device's buffers if the host can reach them, else

@@ -169,9 +169,7 @@ static bb_status run_stage(bb_instance *instance, uint32_t i, const bb_scene *sc
     bb_stopwatch watch;
     BB_TRY(bb_stopwatch_start(instance->device, &watch));
     bb_status status = run_hook(instance, i, &part, changed, &step->phases);
-    bb_status stopped = bb_stopwatch_stop(&watch, &step->timing.timing);
-    BB_TRY(status);
-    BB_TRY(stopped);
+    BB_TRY(bb_stopwatch_stop(&watch, status, &step->timing.timing));
     step->timing.outside_ms = step->phases.outside_ms;
     step->timing.timing.ms -= step->phases.outside_ms;
     step->peak = stop_meter(instance, stage, &before);
@@ -219,9 +217,7 @@ static bb_status map_refs(bb_instance *instance, const bb_scene *scene)
                 : bb_launch(instance->device, instance->map, tree->info.ref_count, GROUP_SIZE,
                             BB_MEM(tree->d_refs), BB_VALUE(tree->info.ref_count),
                             BB_VALUE(references->count), BB_MEM(references->d_prims));
-    bb_status stopped = bb_stopwatch_stop(&watch, &step->timing.timing);
-    BB_TRY(status);
-    BB_TRY(stopped);
+    BB_TRY(bb_stopwatch_stop(&watch, status, &step->timing.timing));
     tree->duplicated = tree->duplicated || references->count > scene->prim_count;
     bb_tree_changed(tree);
     return BB_OK;

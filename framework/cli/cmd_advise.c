@@ -143,7 +143,9 @@ static bb_status advise(void *user, bb_device *device, bb_results *results,
     advising *a = user;
     a->request.device = device;
     BB_TRY(bb_contest_output_begin(&a->output, device, a->request.seed));
-    return bb_advise(&a->request, results, outcome, a->output.table, &a->found);
+    bb_status status = bb_advise(&a->request, results, outcome, a->output.table, &a->found);
+    a->output.audit = outcome->audit;
+    return status;
 }
 
 /* Advises without a folder: the comparisons are not kept. */
@@ -200,7 +202,8 @@ static bb_status answer(advising *a, bb_status status)
         fprintf(stderr, "bvhbench: interrupted: there is no advice\n");
     else if (status == BB_OK)
         status = bb_contest_output_scene(&a->output);
-    return bb_contest_output_end(&a->output, status, &wrong);
+    /* in a folder, bb_output_compare() has said what clocks are wrong */
+    return bb_contest_output_end(&a->output, status, a->choice.out == NULL ? &wrong : NULL);
 }
 
 static bb_status run(const bb_cli *cli, void *values, int *exit_status)

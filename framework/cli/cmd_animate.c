@@ -5,8 +5,8 @@
 #include "framework/builder/registry.h"
 #include "framework/cli/contest_options.h"
 #include "framework/cli/inputs.h"
-#include "framework/contest/contest.h"
 #include "framework/device/device_private.h"
+#include "framework/measure/contest.h"
 #include "framework/picture/image.h"
 #include "framework/report/report.h"
 

@@ -13,8 +13,7 @@ typedef struct job {
     bb_contest_choice choice;
     bb_names builders, searches;
     double fit; /* 0: mesh B stays as it is */
-    bb_overlap_request request;
-    bb_overlap_result result;
+    bb_contest_request request;
     bb_scene *scenes[2];
     bb_contest_output output;
     bool wrong;
@@ -44,14 +43,8 @@ static const bb_cli_option options[] = {
 
 static bb_status read_request(job *j)
 {
-    bb_overlap_request *request = &j->request;
     BB_TRY(bb_choose_tree_builders(&j->builders, BB_OF_MESHES));
-    BB_TRY(bb_check_searches(&j->searches));
-    request->builders = (const char *const *)j->builders.items;
-    request->builder_count = (uint32_t)j->builders.count;
-    request->searches = (const char *const *)j->searches.items;
-    request->search_count = (uint32_t)j->searches.count;
-    return BB_OK;
+    return bb_check_searches(&j->searches);
 }
 
 /* ---- meshes ---- */
@@ -80,19 +73,17 @@ static bb_status load(job *j, char *const *names)
 /* With the pictures that there are: a failure of theirs loses nothing else. */
 static bb_status overlap(job *j)
 {
-    char why[1024] = "";
-    bb_status painted = BB_OK;
+    char why[1024], name[sizeof j->scenes[0]->name * 2 + 8];
     for (int s = 0; s < 2; s++)
         BB_TRY(bb_scene_upload(j->scenes[s], j->request.device));
-    BB_TRY(bb_contest_output_begin(&j->output, j->request.device, j->request.seed));
-    BB_TRY(bb_overlap_run(&j->request, j->scenes, &j->result));
-    if (j->choice.out != NULL)
-        painted = bb_overlap_paint(j->scenes, j->choice.out, &j->result);
-    if (painted != BB_OK)
-        snprintf(why, sizeof why, "%s", bb_message());
-    bb_overlap_fill(&j->result, j->output.table);
-    BB_TRY(bb_contest_output_scene(&j->output));
-    return painted == BB_OK ? BB_OK : bb_fail(painted, "%s", why);
+    BB_TRY(bb_contest_output_request(&j->output, &j->builders, &j->searches, &j->request));
+    snprintf(name, sizeof name, "%s and %s", j->scenes[0]->name, j->scenes[1]->name);
+    j->request.name = name;
+    bb_status status = bb_overlap_run(&j->request, j->scenes, j->choice.out, j->output.table);
+    snprintf(why, sizeof why, "%s", status != BB_OK ? bb_message() : "");
+    if (bb_table_row_count(j->output.table) > 1)
+        BB_TRY(bb_contest_output_scene(&j->output));
+    return status == BB_OK ? BB_OK : bb_fail(status, "%s", why);
 }
 
 static bb_status work(job *j, char *const *names)
@@ -119,7 +110,6 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
 static void release(void *values)
 {
     job *j = values;
-    bb_overlap_release(&j->result);
     for (int s = 0; s < 2; s++)
         bb_scene_free(j->scenes[s]);
     bb_device_close(j->request.device);
@@ -138,7 +128,7 @@ const bb_command bb_command_overlap = {
         "Each builder is measured with each search, and compared with the first of these or with "
         "no tree.\n"
         "`octree` needs no tests where a cell lies fully inside or fully outside the other mesh.\n"
-        "Exit status 1: an answer differs from the first one's.",
+        "Exit status 1: an answer differs from the first one's, or clocks contradict each other.",
     .more_help = bb_print_mesh_builders,
     .options = options,
     .bytes = sizeof(job),

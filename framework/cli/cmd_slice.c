@@ -14,7 +14,6 @@ typedef struct job {
     bb_names scenes, builders, searches;
     bool paper;
     bb_slice_request request;
-    bb_slice_result result;
     bb_contest_output output;
     bool wrong;
 } job;
@@ -26,7 +25,7 @@ static const bb_cli_option options[] = {
      BB_INTO(job, builders)},
     BB_SEARCH_OPTION(job, searches, ""),
     {"no-tree", NULL, "also test all tetrahedra without a tree, and compare the others with that",
-     BB_INTO(job, request.without)},
+     BB_INTO(job, request.contest.without)},
     {"paper", NULL, "the paper's settings", BB_INTO(job, paper),
      .presets = (const char *const[]){"slices", "1", "size", "999x999", "repeats", "50", NULL}},
     {"axis", NULL, "the axis across the slices", BB_INTO(job, request.plan.axis), .words = "x|y|z",
@@ -38,15 +37,15 @@ static const bb_cli_option options[] = {
     {"thickness", "X",
      "thickness of a slice in scene units; default: the slices fill the mesh's box",
      BB_INTO(job, request.plan.thickness), .high = 1e30},
-    {"repeats", "N", "measured rounds", BB_INTO(job, request.repeats), .low = 1,
+    {"repeats", "N", "measured rounds", BB_INTO(job, request.contest.repeats), .low = 1,
      .high = BB_SAMPLES_MAX - 1, .fallback = "10"},
-    BB_SEED_OPTION(job, request.seed),
+    BB_SEED_OPTION(job, request.contest.seed),
     BB_GROUP(bb_contest_options, job, choice),
     {"out", "DIR",
      "folder for slice.json, slice.html, and a PNG and an EXR of each slice; default: none",
      BB_INTO(job, choice.out)},
     BB_HISTORY_OPTION(job, choice.history),
-    BB_QUIET_OPTION(job, request.quiet),
+    BB_QUIET_OPTION(job, request.contest.quiet),
     {.name = NULL},
 };
 
@@ -57,33 +56,30 @@ static bb_status read_request(job *j)
     if (!request->exr && j->choice.out != NULL)
         fprintf(stderr, "bvhbench: slices are written without EXR files: %s\n", bb_message());
     BB_TRY(bb_choose_tree_builders(&j->builders, BB_OF_MESHES));
-    BB_TRY(bb_check_searches(&j->searches));
-    request->builders = (const char *const *)j->builders.items;
-    request->builder_count = (uint32_t)j->builders.count;
-    request->searches = (const char *const *)j->searches.items;
-    request->search_count = (uint32_t)j->searches.count;
-    return BB_OK;
+    return bb_check_searches(&j->searches);
 }
 
 static bb_status slice(job *j, bb_scene *scene, size_t number)
 {
-    char name[64], path[PATH_MAX];
-    const char *out = j->choice.out;
-    BB_TRY(bb_scene_upload(scene, j->request.device));
-    snprintf(name, sizeof name, "slice-%zu", number);
-    if (out != NULL) {
-        BB_TRY(bb_join_path(path, out, name));
-        j->request.pictures = path;
+    char name[sizeof scene->name], file[64], path[PATH_MAX];
+    bb_contest_request *request = &j->request.contest;
+    BB_TRY(bb_scene_upload(scene, request->device));
+    snprintf(file, sizeof file, "slice-%zu", number);
+    if (j->choice.out != NULL) {
+        BB_TRY(bb_join_path(path, j->choice.out, file));
+        request->pictures = path;
     }
-    BB_TRY(bb_slice_run(&j->request, scene, &j->result));
-    bb_contest_output_name(&j->output, j->result.scene, sizeof j->result.scene);
-    bb_slice_fill(&j->result, out != NULL ? name : NULL, j->output.table);
+    snprintf(name, sizeof name, "%s", scene->name);
+    bb_contest_output_name(&j->output, name, sizeof name);
+    request->name = name;
+    request->files = file;
+    BB_TRY(bb_slice_run(&j->request, scene, j->output.table));
     return bb_contest_output_scene(&j->output);
 }
 
 static bb_status slice_all(job *j)
 {
-    BB_TRY(bb_contest_output_begin(&j->output, j->request.device, j->request.seed));
+    BB_TRY(bb_contest_output_request(&j->output, &j->builders, &j->searches, &j->request.contest));
     for (size_t i = 0; i < j->scenes.count && !bb_interrupted(); i++) {
         bb_scene *scene;
         BB_TRY(bb_scene_load_any(j->scenes.items[i], &scene));
@@ -98,7 +94,7 @@ static bb_status work(job *j)
 {
     BB_TRY(bb_contest_begin(&j->choice, j->scenes.items, j->scenes.count));
     BB_TRY(read_request(j));
-    BB_TRY(bb_open_device(&j->choice.device, &j->request.device));
+    BB_TRY(bb_open_device(&j->choice.device, &j->request.contest.device));
     bb_interrupt_catch();
     return bb_contest_output_end(&j->output, slice_all(j), &j->wrong);
 }
@@ -114,7 +110,7 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
 
 static void release(void *values)
 {
-    bb_device_close(((job *)values)->request.device);
+    bb_device_close(((job *)values)->request.contest.device);
 }
 
 extern const bb_command bb_command_slice;
@@ -131,7 +127,7 @@ const bb_command bb_command_slice = {
         "beside, 0\n"
         "empty. Exit status 1: a voxel differs from the first one's (if a mesh overlaps itself, "
         "values may\n"
-        "differ).",
+        "differ), or clocks contradict each other.",
     .more_help = bb_print_mesh_builders,
     .options = options,
     .bytes = sizeof(job),

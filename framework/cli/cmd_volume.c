@@ -17,7 +17,6 @@ typedef struct job {
     bb_dvr_request request;
     uint32_t width, height, turns; /* 0: by the kind of scene */
     bool paper, brief;
-    bb_dvr_result result;
     bb_contest_output output;
     bool wrong;
     uint32_t pictures; /* sets of them, so far */
@@ -50,9 +49,9 @@ static const bb_cli_option options[] = {
      BB_INTO(job, request.cutoff), .high = 1, .fallback = "0"},
     {"steps", "LIST", "distances of samples for which the accuracy is measured; none: it is not",
      BB_INTO(job, steps), .fallback = "4,2,1,0.5,0.25"},
-    {"repeats", "N", "measured rounds", BB_INTO(job, request.repeats), .low = 1,
+    {"repeats", "N", "measured rounds", BB_INTO(job, request.contest.repeats), .low = 1,
      .high = BB_SAMPLES_MAX - 1, .fallback = "10"},
-    BB_SEED_OPTION(job, request.seed),
+    BB_SEED_OPTION(job, request.contest.seed),
     {"brief", NULL,
      "show less: no trees, phases and legends; by default no builders that take long on meshes",
      BB_INTO(job, brief)},
@@ -60,7 +59,7 @@ static const bb_cli_option options[] = {
     {"out", "DIR", "folder for volume.json, volume.html and PNG pictures; default: none",
      BB_INTO(job, choice.out)},
     BB_HISTORY_OPTION(job, choice.history),
-    BB_QUIET_OPTION(job, request.quiet),
+    BB_QUIET_OPTION(job, request.contest.quiet),
     {.name = NULL},
 };
 
@@ -111,30 +110,27 @@ static void choose_pictures(job *j, bool mesh)
     request->turns = j->turns;
     if (j->paper && j->turns == 0 && request->view == NULL)
         request->turns = mesh ? 0 : 180;
-    request->builders = (const char *const *)builders->items;
-    request->builder_count = (uint32_t)builders->count;
-    request->kernels = (const char *const *)j->kernels.items;
-    request->kernel_count = (uint32_t)j->kernels.count;
-    request->searches = (const char *const *)j->searches.items;
-    request->search_count = (uint32_t)j->searches.count;
+    bb_contest_take_names(builders, mesh ? &j->searches : &j->kernels, &request->contest);
 }
 
 /* ---- the work ---- */
 
 static bb_status compare(job *j, bb_scene *scene)
 {
-    char name[96], path[PATH_MAX];
-    const char *out = j->choice.out;
-    bb_dvr_result *result = &j->result;
-    snprintf(name, sizeof name, "volume-%u-%s", ++j->pictures,
-             scene->volume != NULL ? scene->volume->transfer.name : j->request.transfer->name);
-    if (out != NULL) {
-        BB_TRY(bb_join_path(path, out, name));
-        j->request.pictures = path;
+    char name[sizeof scene->name + 96], file[96], path[PATH_MAX];
+    bb_contest_request *request = &j->request.contest;
+    const char *transfer =
+        scene->volume != NULL ? scene->volume->transfer.name : j->request.transfer->name;
+    snprintf(file, sizeof file, "volume-%u-%s", ++j->pictures, transfer);
+    if (j->choice.out != NULL) {
+        BB_TRY(bb_join_path(path, j->choice.out, file));
+        request->pictures = path;
     }
-    BB_TRY(bb_dvr_run(&j->request, scene, result));
-    bb_contest_output_name(&j->output, result->scene, sizeof result->scene);
-    bb_dvr_fill(&j->request, result, out != NULL ? name : NULL, j->output.table);
+    snprintf(name, sizeof name, "%s, transfer function %s", scene->name, transfer);
+    bb_contest_output_name(&j->output, name, sizeof name);
+    request->name = name;
+    request->files = file;
+    BB_TRY(bb_dvr_run(&j->request, scene, j->output.table));
     return bb_contest_output_scene(&j->output);
 }
 
@@ -173,10 +169,10 @@ static bb_status compare_scene(job *j, const char *name)
                          name);
     choose_pictures(j, scene->volume == NULL);
     if (status == BB_OK)
-        status = bb_scene_upload(scene, j->request.device);
+        status = bb_scene_upload(scene, j->request.contest.device);
     if (status == BB_OK)
         status = compare_transfers(j, scene);
-    bb_tracers_clear(j->request.device);
+    bb_tracers_clear(j->request.contest.device);
     bb_scene_free(scene);
     return status;
 }
@@ -193,7 +189,7 @@ static bb_status check_transfers(const bb_names *names)
 
 static bb_status compare_all(job *j)
 {
-    BB_TRY(bb_contest_output_begin(&j->output, j->request.device, j->request.seed));
+    BB_TRY(bb_contest_output_request(&j->output, &j->builders, &j->kernels, &j->request.contest));
     for (size_t i = 0; i < j->scenes.count && !bb_interrupted(); i++)
         BB_TRY(compare_scene(j, j->scenes.items[i]));
     return BB_OK;
@@ -205,7 +201,7 @@ static bb_status work(job *j)
     BB_TRY(check_transfers(&j->transfers));
     BB_TRY(bb_contest_begin(&j->choice, j->scenes.items, j->scenes.count));
     BB_TRY(read_names(j));
-    BB_TRY(bb_open_device(&j->choice.device, &j->request.device));
+    BB_TRY(bb_open_device(&j->choice.device, &j->request.contest.device));
     bb_interrupt_catch();
     return bb_contest_output_end(&j->output, compare_all(j), &j->wrong);
 }
@@ -225,21 +221,24 @@ static void release(void *values)
 {
     job *j = values;
     bb_names_free(&j->mesh_builders);
-    bb_device_close(j->request.device);
+    bb_device_close(j->request.contest.device);
 }
 
 extern const bb_command bb_command_volume;
 const bb_command bb_command_volume = {
     .name = "volume",
     .summary = "compare builders and kernels on pictures of volumes and of tetrahedra",
-    .details = "For each volume and each transfer function, builds, layouts and pictures of each "
-               "builder with each\n"
-               "kernel are timed in turns with the march without a tree, and the pictures are "
-               "compared. Then the\n"
-               "error against converged pictures is shown by the distance of samples.\n"
-               "On a mesh of tetrahedra, each builder with each search is compared with the "
-               "first of these.\n"
-               "Exit status 1: a picture differs from the one without a tree, or from the first.",
+    .details =
+        "For each volume and each transfer function, builds, layouts and pictures of each "
+        "builder with each\n"
+        "kernel are timed in turns with the march without a tree, and the pictures are "
+        "compared. Then the\n"
+        "error against converged pictures is shown by the distance of samples.\n"
+        "On a mesh of tetrahedra, each builder with each search is compared with the "
+        "first of these.\n"
+        "Exit status 1: a picture differs from the one without a tree, or from the first; or "
+        "clocks\n"
+        "contradict each other.",
     .more_help = bb_print_volume_builders,
     .options = options,
     .bytes = sizeof(job),

@@ -11,13 +11,32 @@
 #include <stdlib.h>
 #include <string.h>
 
+void bb_contest_take_names(const bb_names *builders, const bb_names *searches,
+                           bb_contest_request *request)
+{
+    request->builders = (const char *const *)builders->items;
+    request->builder_count = (uint32_t)builders->count;
+    request->searches = (const char *const *)searches->items;
+    request->search_count = (uint32_t)searches->count;
+}
+
 bb_status bb_contest_output_begin(bb_contest_output *output, const bb_device *device, uint64_t seed)
 {
+    bb_bystanders_start(&output->watch);
     if (output->choice->history != NULL)
         BB_TRY(bb_output_append_table(output->choice->history, NULL));
     BB_TRY(bb_table_create(output->outline->command, &output->table));
     bb_run_row(output->table, device, seed, output->command_line);
     return bb_table_status(output->table);
+}
+
+bb_status bb_contest_output_request(bb_contest_output *output, const bb_names *builders,
+                                    const bb_names *searches, bb_contest_request *request)
+{
+    bb_contest_take_names(builders, searches, request);
+    request->audit = &output->audit;
+    request->watch = &output->watch;
+    return bb_contest_output_begin(output, request->device, request->seed);
 }
 
 void bb_contest_output_name(const bb_contest_output *output, char *name, size_t capacity)
@@ -81,6 +100,7 @@ static bb_status write_all(bb_contest_output *output)
         return BB_OK;
     if (bb_interrupted())
         bb_table_set_text(output->table, 0, &bb_run_interrupted, "yes");
+    bb_audit_fill(&output->audit, &output->watch, output->table);
     BB_TRY(bb_table_status(output->table));
     if (output->choice->json)
         BB_TRY(print_json(output->table));
@@ -94,7 +114,11 @@ bb_status bb_contest_output_end(bb_contest_output *output, bb_status status, boo
     bb_status written = write_all(output);
     if (status == BB_OK && written == BB_OK && output->choice->history != NULL)
         written = bb_output_append_table(output->choice->history, output->table);
-    *wrong = output->table != NULL && bb_outline_wrong(output->outline, output->table) > 0;
+    if (wrong != NULL) {
+        *wrong = bb_audit_blame(&output->audit);
+        *wrong = *wrong ||
+                 (output->table != NULL && bb_outline_wrong(output->outline, output->table) > 0);
+    }
     bb_table_free(output->table);
     output->table = NULL;
     return status != BB_OK ? bb_fail(status, "%s", why) : written;

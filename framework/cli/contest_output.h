@@ -4,7 +4,7 @@
 #define BB_CONTEST_OUTPUT_H
 
 #include "framework/cli/contest_options.h"
-#include "framework/device/device.h"
+#include "framework/measure/contest.h"
 #include "framework/show/outline.h"
 
 #include <stdbool.h>
@@ -16,11 +16,23 @@ typedef struct bb_contest_output {
     const char *command_line;
     bb_table *table;
     bool begun; /* a scene was printed */
+    bb_audit audit;
+    bb_bystanders watch; /* since the beginning */
 } bb_contest_output;
 
-/* Makes the table with its first row, which describes the run. */
+/* Makes the table with its first row, which describes the run, and begins to watch other
+ * programs. */
 bb_status bb_contest_output_begin(bb_contest_output *output, const bb_device *device,
                                   uint64_t seed);
+
+/* Begins as above, and completes the request: builders and searches, which outlive it, and who
+ * checks clocks and watches other programs. */
+bb_status bb_contest_output_request(bb_contest_output *output, const bb_names *builders,
+                                    const bb_names *searches, bb_contest_request *request);
+
+/* Sets the request's builders and searches. */
+void bb_contest_take_names(const bb_names *builders, const bb_names *searches,
+                           bb_contest_request *request);
 
 /* Makes a scene's name unique in the table: "cube (2)". */
 void bb_contest_output_name(const bb_contest_output *output, char *name, size_t capacity);
@@ -30,7 +42,8 @@ void bb_contest_output_name(const bb_contest_output *output, char *name, size_t 
 bb_status bb_contest_output_scene(bb_contest_output *output);
 
 /* Prints JSON and writes NAME.json and NAME.html, which keep what was measured before `status`, a
- * failure; a whole run is appended to the history. *wrong: whether answers are. Frees the table.
+ * failure; a whole run is appended to the history. *wrong: whether
+ * answers are, or clocks, which is said; may be NULL. Frees the table.
  * Returns the first failure. */
 bb_status bb_contest_output_end(bb_contest_output *output, bb_status status, bool *wrong);
 

@@ -178,7 +178,6 @@ static bb_status write_all(const bb_comparison *c, bb_results *results, bb_bench
 /* Says in one line each what is wrong. Returns true if anything is. */
 static bool blame(const bb_bench_outcome *outcome)
 {
-    const bb_audit *audit = &outcome->audit;
     if (outcome->wrong > 0)
         fprintf(stderr,
                 "bvhbench: %u cells or builds are wrong: see the rows marked WRONG, unlike or "
@@ -193,13 +192,8 @@ static bool blame(const bb_bench_outcome *outcome)
         fprintf(stderr,
                 "bvhbench: no answer was judged on %u scenes: see why their cells were refused\n",
                 outcome->unjudged);
-    for (uint32_t i = 0; i < audit->complaints && i < BB_COMPLAINTS_MAX; i++)
-        fprintf(stderr, "bvhbench: clocks: %s\n", audit->texts[i]);
-    if (audit->complaints > 0)
-        fprintf(stderr, "bvhbench: %u figures contradict each other: do not trust this run\n",
-                audit->complaints);
-    return outcome->wrong > 0 || outcome->unbuilt > 0 || outcome->unjudged > 0 ||
-           audit->complaints > 0;
+    const bool blamed = bb_audit_blame(&outcome->audit);
+    return outcome->wrong > 0 || outcome->unbuilt > 0 || outcome->unjudged > 0 || blamed;
 }
 
 /* Keeps what was measured before a failure. Returns `status`; the message then says where the

@@ -13,17 +13,17 @@ bb_status bb_stopwatch_start(bb_device *device, bb_stopwatch *watch)
     return BB_OK;
 }
 
-bb_status bb_stopwatch_stop(bb_stopwatch *watch, bb_timing *timing)
+bb_status bb_stopwatch_stop(bb_stopwatch *watch, bb_status status, bb_timing *timing)
 {
     bb_device *device = watch->device;
     timing->waits = device->waits - watch->waits; /* before the wait below */
-    bb_status status = bb_finish(device);
+    bb_status finished = bb_finish(device);
     timing->ms = bb_wall_ms() - watch->wall;
     timing->cpu_ms = bb_cpu_ms() - watch->cpu;
     device->profile_events = false;
-    if (status == BB_OK)
-        status = bb_device_collect_events(device);
+    if (finished == BB_OK)
+        finished = bb_device_collect_events(device);
     timing->event_ms = device->event_ms;
     timing->launches = device->launches - watch->launches;
-    return status;
+    return status != BB_OK ? status : finished;
 }

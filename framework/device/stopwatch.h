@@ -27,7 +27,7 @@ typedef struct bb_timing {
  * device. */
 bb_status bb_stopwatch_start(bb_device *device, bb_stopwatch *watch);
 
-/* Stops with a finished queue. */
-bb_status bb_stopwatch_stop(bb_stopwatch *watch, bb_timing *timing);
+/* Stops with a finished queue. `status` is that of the timed work: a failure of it is returned. */
+bb_status bb_stopwatch_stop(bb_stopwatch *watch, bb_status status, bb_timing *timing);
 
 #endif

@@ -1,59 +1,20 @@
-/* A comparison: its pictures are the questions of a contest (framework/contest). */
-#include "framework/dvr/dvr.h"
-
-#include "framework/base/interrupt.h"
+/* A comparison: its pictures are the questions of a contest (framework/measure). */
 #include "framework/dvr/dvr_private.h"
+
 #include "framework/picture/exr.h"
 #include "framework/picture/image.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-typedef struct comparison {
-    const bb_dvr_request *request;
-    bb_scene *scene;
-    bb_device *device;
-    bb_dvr_result *result;
-    bb_dvr_renderer renderer;
-    bb_dvr_pictures pictures;
-} comparison;
-
 /* ---- pictures as answers ---- */
-
-static const bb_light blank = {{0, 0, 0}, 1};
 
 static bb_status take(void *self, uint32_t view, uint32_t *items)
 {
-    comparison *c = self;
-    *items = c->pictures.pixels;
-    return bb_dvr_take_view(c->scene, &c->pictures, view, c->device);
-}
-
-static bb_status make(void *self, const char *kernel, bb_tree *const *trees,
-                      bb_contest_runner *runner)
-{
-    const comparison *c = self;
-    return c->renderer.make(c->renderer.self, kernel, trees, runner);
-}
-
-static bb_status ask(void *self, const bb_contest_runner *runner, bool counting)
-{
-    comparison *c = self;
-    return c->renderer.launch(c->renderer.self, runner, &c->pictures, counting);
-}
-
-static bb_status check(void *self)
-{
-    const comparison *c = self;
-    return c->renderer.check != NULL ? c->renderer.check(c->renderer.self) : BB_OK;
-}
-
-static bb_status time_round(void *self)
-{
-    comparison *c = self;
-    return c->renderer.time != NULL ? c->renderer.time(c->renderer.self, c->result) : BB_OK;
+    bb_dvr *dvr = self;
+    *items = dvr->pixels;
+    return bb_dvr_take_view(dvr, view);
 }
 
 static uint32_t in_8_bits(float channel)
@@ -63,18 +24,18 @@ static uint32_t in_8_bits(float channel)
 
 /* The largest difference of float pictures by OpenImageIO, where it is there; our own beside it,
  * which knows NaN and 8 bits. */
-static void compare_by_others(comparison *c, const bb_light *first, const bb_light *own,
+static void compare_by_others(bb_dvr *dvr, const bb_light *first, const bb_light *own,
                               bb_contest_way *way)
 {
     bb_exr_difference found;
-    for (uint32_t i = 0; i < c->pictures.pixels; i++)
+    for (uint32_t i = 0; i < dvr->pixels; i++)
         for (int k = 0; k < 3; k++)
             if (!isfinite(first[i].rgb[k]) || !isfinite(own[i].rgb[k]))
                 return;
     if (bb_exr_differences((const float *)(const void *)first, (const float *)(const void *)own, 4,
-                           c->pictures.width, c->pictures.height, NULL, &found) != BB_OK)
+                           dvr->request->width, dvr->request->height, NULL, &found) != BB_OK)
         return;
-    c->result->by_others = true;
+    dvr->by_others = true;
     way->most = bb_dvr_most(way->most, found.most);
 }
 
@@ -99,18 +60,18 @@ static void compare(void *self, const void *first, const void *own, uint32_t ite
 
 static bb_status write_picture(void *self, uint32_t view, const void *first, uint32_t items)
 {
-    const comparison *c = self;
-    const bb_dvr_pictures *p = &c->pictures;
+    const bb_dvr *dvr = self;
+    const bb_dvr_request *request = dvr->request;
     const bb_light *lights = first;
     char path[4096];
     float *rgb = NULL;
-    if (c->request->pictures == NULL || c->request->turns > 0)
+    if (request->contest.pictures == NULL || request->turns > 0)
         return BB_OK;
     BB_TRY(bb_host_alloc(NULL, 3 * (size_t)items * sizeof *rgb, "a picture", &rgb));
     for (uint32_t i = 0; i < items; i++)
         memcpy(rgb + 3 * (size_t)i, lights[i].rgb, 3 * sizeof *rgb);
-    snprintf(path, sizeof path, "%s-%s.png", c->request->pictures, p->views[view].name);
-    bb_status status = bb_image_write(path, rgb, p->width, p->height);
+    snprintf(path, sizeof path, "%s-%s.png", request->contest.pictures, dvr->views[view].name);
+    bb_status status = bb_image_write(path, rgb, request->width, request->height);
     bb_host_free(rgb);
     return status;
 }
@@ -118,100 +79,70 @@ static bb_status write_picture(void *self, uint32_t view, const void *first, uin
 /* ---- all of it ---- */
 
 /* That no march will take more samples than it can. */
-static bb_status check_steps(comparison *c)
+static bb_status check_steps(bb_dvr *dvr)
 {
-    const bb_dvr_request *request = c->request;
-    const double unit = c->renderer.unit;
-    for (uint32_t v = 0; v < c->pictures.count; v++) {
-        BB_TRY(bb_dvr_take_view(c->scene, &c->pictures, v, c->device));
-        BB_TRY(bb_march_check(c->scene, &c->pictures.rays, (float)(request->step * unit)));
+    const bb_dvr_request *request = dvr->request;
+    for (uint32_t v = 0; v < dvr->task.questions; v++) {
+        BB_TRY(bb_dvr_take_view(dvr, v));
+        BB_TRY(bb_march_check(dvr->scene, &dvr->rays, (float)(request->step * dvr->unit)));
         if (request->step_count > 0)
-            BB_TRY(bb_march_check(c->scene, &c->pictures.rays, bb_dvr_finest_step(request, unit)));
+            BB_TRY(bb_march_check(dvr->scene, &dvr->rays, bb_dvr_finest_step(dvr)));
     }
     return BB_OK;
 }
 
-static void describe(const comparison *c)
+static bb_status prepare(bb_dvr *dvr)
 {
-    bb_dvr_result *result = c->result;
-    result->pictures = c->pictures.count;
-    result->pixels = (uint64_t)c->pictures.count * c->pictures.pixels;
-    c->renderer.describe(c->renderer.self, result);
-    snprintf(result->scene, sizeof result->scene, "%s, transfer function %s", c->scene->name,
-             result->transfer);
-    result->view_count = c->request->turns > 0 ? 0 : c->pictures.count;
-    for (uint32_t v = 0; v < result->view_count; v++)
-        snprintf(result->views[v], sizeof result->views[v], "%s", c->pictures.views[v].name);
-}
-
-static bb_status prepare(comparison *c)
-{
-    const bb_dvr_request *request = c->request;
-    BB_TRY(c->scene->volume == NULL ? bb_dvr_render_tets(request, c->scene, &c->renderer)
-                                    : bb_dvr_render_volume(c->scene, &c->renderer));
-    const bb_march_settings settings = {.step = (float)(request->step * c->renderer.unit),
+    const bb_dvr_request *request = dvr->request;
+    BB_TRY(dvr->scene->volume == NULL ? bb_dvr_of_tets(dvr) : bb_dvr_of_volume(dvr));
+    BB_TRY(bb_dvr_choose_views(dvr));
+    snprintf(dvr->rays.name, sizeof dvr->rays.name, "picture");
+    BB_TRY(bb_rays_reserve(&dvr->rays, dvr->pixels));
+    BB_TRY(check_steps(dvr));
+    const bb_march_settings settings = {.step = (float)(request->step * dvr->unit),
                                         .cutoff = (float)request->cutoff};
-    BB_TRY(bb_dvr_choose_views(request, c->scene, &c->pictures));
-    BB_TRY(bb_dvr_reserve(request, &c->pictures));
-    describe(c);
-    BB_TRY(check_steps(c));
-    return c->renderer.set(c->renderer.self, &settings);
+    return dvr->set(dvr, &settings);
 }
 
-static bb_status measure(comparison *c)
+static bb_status run(bb_dvr *dvr, bb_table *table)
 {
-    const bb_dvr_request *request = c->request;
-    const bool tets = c->scene->volume == NULL;
-    const bb_contest_request entry = {
-        .device = c->device,
-        .scenes = &c->scene,
-        .scene_count = 1,
-        .builders = request->builders,
-        .builder_count = request->builder_count,
-        .searches = tets ? request->searches : request->kernels,
-        .search_count = tets ? request->search_count : request->kernel_count,
-        .most_items = c->pictures.pixels,
-        .repeats = request->repeats,
-        .seed = request->seed,
-        .quiet = request->quiet,
-    };
-    const bb_contest_task task = {
-        .self = c,
-        .without = c->renderer.without,
-        .blank = c->scene->prim_count == 0,
-        .blank_answer = &blank,
-        .answer_bytes = sizeof(bb_light),
-        .questions = c->pictures.count,
-        .answers = &c->pictures.lights,
-        .counts = &c->pictures.counts,
-        .take = take,
-        .make = make,
-        .ask = ask,
-        .compare = compare,
-        .see = write_picture,
-        .check = check,
-        .time = time_round,
-    };
-    bb_contest *contest;
-    BB_TRY(bb_contest_create(&entry, &task, c->result->ways, &c->result->way_count, &contest));
-    bb_status status = bb_contest_run(contest);
-    if (status == BB_OK && request->step_count > 0 && !bb_interrupted())
-        status = bb_dvr_measure_errors(request, c->scene, &c->renderer, bb_contest_first(contest),
-                                       &c->pictures, c->result);
-    bb_contest_destroy(contest);
-    return status;
+    bb_contest_request contest = dvr->request->contest;
+    contest.without = dvr->scene->volume != NULL;
+    BB_TRY(prepare(dvr));
+    BB_TRY(bb_contest_run(&contest, &dvr->task, table));
+    bb_dvr_fill_questions(dvr, table);
+    return BB_OK;
 }
 
-bb_status bb_dvr_run(const bb_dvr_request *request, bb_scene *scene, bb_dvr_result *result)
+bb_status bb_dvr_run(const bb_dvr_request *request, bb_scene *scene, bb_table *table)
 {
-    memset(result, 0, sizeof *result);
-    comparison c = {
-        .request = request, .scene = scene, .device = request->device, .result = result};
-    bb_status status = prepare(&c);
-    if (status == BB_OK)
-        status = measure(&c);
-    if (c.renderer.destroy != NULL)
-        c.renderer.destroy(c.renderer.self);
-    bb_dvr_release(&c.pictures);
+    static const bb_light blank = {{0, 0, 0}, 1};
+    bb_dvr *dvr = calloc(1, sizeof *dvr);
+    if (dvr == NULL)
+        return bb_fail(BB_REFUSED, "no memory for a comparison");
+    dvr->request = request;
+    dvr->scene = scene;
+    dvr->device = request->contest.device;
+    dvr->pixels = request->width * request->height;
+    dvr->task = (bb_contest_task){.self = dvr,
+                                  .scenes = &dvr->scene,
+                                  .scene_count = 1,
+                                  .light = true,
+                                  .blank = scene->prim_count == 0,
+                                  .blank_answer = &blank,
+                                  .answer_bytes = sizeof(bb_light),
+                                  .most_items = dvr->pixels,
+                                  .take = take,
+                                  .compare = compare,
+                                  .see = write_picture,
+                                  .end = bb_dvr_measure_errors,
+                                  .fill = bb_dvr_fill};
+    bb_status status = run(dvr, table);
+    bb_marcher_destroy(dvr->marcher);
+    bb_tet_marcher_destroy(dvr->tet_marcher);
+    bb_buffer_release(&dvr->copy);
+    bb_host_free(dvr->rays.rays);
+    bb_buffer_release(&dvr->rays.on_device);
+    free(dvr);
     return status;
 }

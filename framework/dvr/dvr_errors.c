@@ -9,53 +9,48 @@
 enum { FINER = 8, ROUNDS = 6 }; /* of the reference, beside the shortest step that is asked for */
 
 typedef struct study {
-    const bb_dvr_request *request;
-    const bb_scene *scene;
-    const bb_dvr_renderer *renderer;
-    const bb_contest_runner *runner; /* NULL: without a tree */
-    const bb_contest_runner *reference_runner;
-    bb_dvr_pictures *pictures;
+    bb_dvr *dvr;
+    const bb_contest_runner *runner, *reference_runner;
+    bb_contest_answers answers;
     bb_light *reference, *lights;
     bb_count *counts;
 } study;
 
 static bb_status set_step(const study *s, double step)
 {
-    const bb_march_settings settings = {
-        .step = (float)(step * s->renderer->unit),
-        .cutoff = 0,
-    };
-    BB_TRY(bb_march_check(s->scene, &s->pictures->rays, settings.step));
-    return s->renderer->set(s->renderer->self, &settings);
+    const bb_march_settings settings = {.step = (float)(step * s->dvr->unit), .cutoff = 0};
+    BB_TRY(bb_march_check(s->dvr->scene, &s->dvr->rays, settings.step));
+    return s->dvr->set(s->dvr, &settings);
 }
 
 static bb_status march_reference(const study *s, bb_light *lights)
 {
-    bb_dvr_pictures *p = s->pictures;
-    BB_TRY(s->renderer->launch(s->renderer->self, s->reference_runner, p, false));
-    return bb_buffer_read(&p->lights, 0, p->pixels * sizeof *lights, lights);
+    const bb_contest_answers answers = {s->answers.items, NULL};
+    BB_TRY(s->dvr->task.ask(s->dvr, s->reference_runner, answers));
+    return bb_buffer_read(answers.items, 0, s->dvr->pixels * sizeof *lights, lights);
 }
 
 static bb_status march(const study *s, bb_dvr_error *error)
 {
-    bb_dvr_pictures *p = s->pictures;
-    BB_TRY(s->renderer->launch(s->renderer->self, s->runner, p, true));
-    BB_TRY(bb_buffer_read(&p->lights, 0, p->pixels * sizeof *s->lights, s->lights));
-    BB_TRY(bb_buffer_read(&p->counts, 0, p->pixels * sizeof *s->counts, s->counts));
-    for (uint32_t i = 0; i < p->pixels; i++)
-        error->samples += (double)s->counts[i].prims / ((double)p->pixels * p->count);
+    const uint32_t pixels = s->dvr->pixels;
+    BB_TRY(s->dvr->task.ask(s->dvr, s->runner, s->answers));
+    BB_TRY(bb_buffer_read(s->answers.items, 0, pixels * sizeof *s->lights, s->lights));
+    BB_TRY(bb_buffer_read(s->answers.counts, 0, pixels * sizeof *s->counts, s->counts));
+    for (uint32_t i = 0; i < pixels; i++)
+        error->samples += (double)s->counts[i].prims / ((double)pixels * s->dvr->task.questions);
     return BB_OK;
 }
 
-float bb_dvr_finest_step(const bb_dvr_request *request, double unit)
+float bb_dvr_finest_step(const bb_dvr *dvr)
 {
-    return (float)(request->steps[request->step_count - 1] / FINER * unit);
+    const bb_dvr_request *request = dvr->request;
+    return (float)(request->steps[request->step_count - 1] / FINER * dvr->unit);
 }
 
 /* Adds the squares to error->rms, for the time being. */
 static void add_error(const study *s, const bb_light *lights, bb_dvr_error *error)
 {
-    for (uint32_t i = 0; i < s->pictures->pixels; i++) {
+    for (uint32_t i = 0; i < s->dvr->pixels; i++) {
         const bb_light *a = &s->reference[i], *b = &lights[i];
         const float apart[4] = {a->rgb[0] - b->rgb[0], a->rgb[1] - b->rgb[1], a->rgb[2] - b->rgb[2],
                                 a->left - b->left};
@@ -67,9 +62,9 @@ static void add_error(const study *s, const bb_light *lights, bb_dvr_error *erro
     }
 }
 
-static bb_status study_view(const study *s, bb_dvr_result *result, bb_dvr_error *coarser)
+static bb_status study_view(const study *s, bb_dvr_error *coarser)
 {
-    const bb_dvr_request *request = s->request;
+    const bb_dvr_request *request = s->dvr->request;
     const double finest = request->steps[request->step_count - 1] / FINER;
     BB_TRY(set_step(s, finest));
     BB_TRY(march_reference(s, s->reference));
@@ -77,7 +72,7 @@ static bb_status study_view(const study *s, bb_dvr_result *result, bb_dvr_error 
     BB_TRY(march_reference(s, s->lights));
     add_error(s, s->lights, coarser);
     for (uint32_t i = 0; i < request->step_count; i++) {
-        bb_dvr_error *error = &result->errors[i];
+        bb_dvr_error *error = &s->dvr->errors[i];
         error->step = request->steps[i];
         BB_TRY(set_step(s, request->steps[i]));
         BB_TRY(march(s, error));
@@ -87,55 +82,51 @@ static bb_status study_view(const study *s, bb_dvr_result *result, bb_dvr_error 
 }
 
 /* All steps in turns. */
-static bb_status time_steps(const study *s, bb_dvr_result *result)
+static bb_status time_steps(const study *s)
 {
-    bb_dvr_pictures *p = s->pictures;
     for (uint32_t round = 0; round <= ROUNDS; round++)
-        for (uint32_t i = 0; i < result->error_count; i++) {
+        for (uint32_t i = 0; i < s->dvr->error_count; i++) {
             bb_stopwatch watch;
             bb_timing timing;
-            BB_TRY(set_step(s, result->errors[i].step));
-            BB_TRY(bb_stopwatch_start(s->request->device, &watch));
+            BB_TRY(set_step(s, s->dvr->errors[i].step));
+            BB_TRY(bb_stopwatch_start(s->dvr->device, &watch));
             /* counting, as the pictures were: the same kernel for all */
-            bb_status status = s->renderer->launch(s->renderer->self, s->runner, p, true);
-            bb_status stopped = bb_stopwatch_stop(&watch, &timing);
-            BB_TRY(status);
-            BB_TRY(stopped);
-            bb_samples_add(&result->errors[i].march, timing.ms);
+            bb_status status = s->dvr->task.ask(s->dvr, s->runner, s->answers);
+            BB_TRY(bb_stopwatch_stop(&watch, status, &timing));
+            bb_samples_add(&s->dvr->errors[i].march, timing.ms);
         }
     return BB_OK;
 }
 
-static bb_status study_all(study *s, bb_dvr_result *result)
+static bb_status study_all(study *s)
 {
-    bb_dvr_pictures *p = s->pictures;
+    bb_dvr *dvr = s->dvr;
     bb_dvr_error coarser = {0};
-    const double values = 4.0 * p->pixels * p->count;
-    BB_TRY(bb_host_alloc(NULL, p->pixels * sizeof *s->reference, "pictures", &s->reference));
-    BB_TRY(bb_host_alloc(NULL, p->pixels * sizeof *s->lights, "pictures", &s->lights));
-    BB_TRY(bb_host_alloc(NULL, p->pixels * sizeof *s->counts, "counts", &s->counts));
-    result->error_count = s->request->step_count;
-    for (uint32_t v = 0; v < p->count; v++) {
-        BB_TRY(bb_dvr_take_view(s->scene, p, v, s->request->device));
-        BB_TRY(study_view(s, result, &coarser));
+    const double values = 4.0 * dvr->pixels * dvr->task.questions;
+    BB_TRY(bb_host_alloc(NULL, dvr->pixels * sizeof *s->reference, "pictures", &s->reference));
+    BB_TRY(bb_host_alloc(NULL, dvr->pixels * sizeof *s->lights, "pictures", &s->lights));
+    BB_TRY(bb_host_alloc(NULL, dvr->pixels * sizeof *s->counts, "counts", &s->counts));
+    dvr->error_count = dvr->request->step_count;
+    for (uint32_t v = 0; v < dvr->task.questions; v++) {
+        BB_TRY(bb_dvr_take_view(dvr, v));
+        BB_TRY(study_view(s, &coarser));
     }
-    for (uint32_t i = 0; i < result->error_count; i++)
-        result->errors[i].rms = sqrt(result->errors[i].rms / values);
-    result->converged = coarser.most;
-    return time_steps(s, result);
+    for (uint32_t i = 0; i < dvr->error_count; i++)
+        dvr->errors[i].rms = sqrt(dvr->errors[i].rms / values);
+    dvr->converged = coarser.most;
+    return time_steps(s);
 }
 
-bb_status bb_dvr_measure_errors(const bb_dvr_request *request, const bb_scene *scene,
-                                const bb_dvr_renderer *renderer, const bb_contest_runner *runner,
-                                bb_dvr_pictures *pictures, bb_dvr_result *result)
+bb_status bb_dvr_measure_errors(void *self, const bb_contest_runner *runner,
+                                bb_contest_answers answers)
 {
-    study s = {.request = request,
-               .scene = scene,
-               .renderer = renderer,
-               .runner = runner,
-               .reference_runner = renderer->without ? NULL : runner,
-               .pictures = pictures};
-    bb_status status = study_all(&s, result);
+    static const bb_contest_runner no_tree = {.without = true};
+    bb_dvr *dvr = self;
+    if (dvr->request->step_count == 0)
+        return BB_OK;
+    study s = {.dvr = dvr, .runner = runner != NULL ? runner : &no_tree, .answers = answers};
+    s.reference_runner = dvr->scene->volume != NULL ? &no_tree : s.runner;
+    bb_status status = study_all(&s);
     bb_host_free(s.reference);
     bb_host_free(s.lights);
     bb_host_free(s.counts);

@@ -39,55 +39,35 @@ static bb_view turned_view(const bb_scene *scene, uint32_t width, uint32_t heigh
     return view;
 }
 
-bb_status bb_dvr_choose_views(const bb_dvr_request *request, const bb_scene *scene,
-                              bb_dvr_pictures *pictures)
+bb_status bb_dvr_choose_views(bb_dvr *dvr)
 {
-    pictures->count = 0;
+    const bb_dvr_request *request = dvr->request;
+    const bb_scene *scene = dvr->scene;
+    uint32_t *count = &dvr->task.questions;
     for (uint32_t i = 0; i < 3 * request->turns; i++)
-        pictures->views[pictures->count++] = turned_view(scene, request->width, request->height,
-                                                         i / request->turns, i % request->turns);
+        dvr->views[(*count)++] = turned_view(scene, request->width, request->height,
+                                             i / request->turns, i % request->turns);
     if (request->turns > 0)
         return BB_OK;
     for (uint32_t i = 0; i < scene->view_count; i++)
         if (request->view == NULL || strcmp(request->view, scene->views[i].name) == 0)
-            pictures->views[pictures->count++] = scene->views[i];
-    return pictures->count > 0 ? BB_OK
-                               : bb_fail(BB_INVALID, "%s: has no view '%s'", scene->name,
-                                         request->view != NULL ? request->view : "");
+            dvr->views[(*count)++] = scene->views[i];
+    return *count > 0 ? BB_OK
+                      : bb_fail(BB_INVALID, "%s: has no view '%s'", scene->name,
+                                request->view != NULL ? request->view : "");
 }
 
-bb_status bb_dvr_reserve(const bb_dvr_request *request, bb_dvr_pictures *pictures)
-{
-    pictures->width = request->width;
-    pictures->height = request->height;
-    pictures->pixels = request->width * request->height;
-    snprintf(pictures->rays.name, sizeof pictures->rays.name, "picture");
-    BB_TRY(bb_rays_reserve(&pictures->rays, pictures->pixels));
-    BB_TRY(bb_buffer_reserve(request->device, NULL, pictures->pixels * sizeof(bb_light), "pictures",
-                             &pictures->lights));
-    return bb_buffer_reserve(request->device, NULL, pictures->pixels * sizeof(bb_count), "counts",
-                             &pictures->counts);
-}
-
-void bb_dvr_release(bb_dvr_pictures *pictures)
-{
-    bb_host_free(pictures->rays.rays);
-    bb_buffer_release(&pictures->rays.on_device);
-    bb_buffer_release(&pictures->lights);
-    bb_buffer_release(&pictures->counts);
-}
-
-bb_status bb_dvr_take_view(const bb_scene *scene, bb_dvr_pictures *pictures, uint32_t i,
-                           bb_device *device)
+bb_status bb_dvr_take_view(bb_dvr *dvr, uint32_t i)
 {
     bb_camera camera;
-    bb_rays *rays = &pictures->rays;
-    BB_TRY(bb_camera_make(&pictures->views[i], pictures->width, pictures->height, &camera));
-    for (uint32_t y = 0; y < pictures->height; y++)
-        for (uint32_t x = 0; x < pictures->width; x++)
-            bb_camera_ray(&camera, x, y, &rays->rays[y * pictures->width + x]);
-    BB_TRY(bb_rays_check(scene, rays));
-    size_t bytes = rays->count * sizeof *rays->rays;
-    BB_TRY(bb_buffer_reserve(device, NULL, bytes, "rays", &rays->on_device));
+    bb_rays *rays = &dvr->rays;
+    const uint32_t width = dvr->request->width, height = dvr->request->height;
+    BB_TRY(bb_camera_make(&dvr->views[i], width, height, &camera));
+    for (uint32_t y = 0; y < height; y++)
+        for (uint32_t x = 0; x < width; x++)
+            bb_camera_ray(&camera, x, y, &rays->rays[y * width + x]);
+    BB_TRY(bb_rays_check(dvr->scene, rays));
+    const size_t bytes = rays->count * sizeof *rays->rays;
+    BB_TRY(bb_buffer_reserve(dvr->device, NULL, bytes, "rays", &rays->on_device));
     return bb_buffer_write(&rays->on_device, 0, bytes, rays->rays);
 }

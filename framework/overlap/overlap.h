@@ -4,18 +4,18 @@
 
 #include "framework/locate/tet_search.h"
 
-typedef struct bb_overlapper bb_overlapper;
+/* Variants of the kernels: `bb_overlapper_init` begins one, which is to be released. */
+typedef struct bb_overlapper {
+    bb_tet_kernels overlap, inside;
+} bb_overlapper;
 
-bb_status bb_overlapper_create(bb_device *device, bb_overlapper **out);
-void bb_overlapper_destroy(bb_overlapper *overlapper); /* NULL is allowed */
+extern const bb_overlapper bb_overlapper_init;
+void bb_overlapper_release(bb_overlapper *overlapper);
 
 /* Whether lengths of `scene` can be put beside those of `other`: BB_UNSUPPORTED, with one line, if
  * they are too large in the unit of the other's layouts. */
 bb_status bb_overlap_check(const bb_overlapper *overlapper, const bb_scene *scene,
                            const bb_scene *other);
-
-/* From now on as on a device that has no doubles. Before the first question. */
-void bb_overlapper_take_floats(bb_overlapper *overlapper);
 
 /* Enqueues the question which tetrahedra of `scene` meet one of those that `search` finds, in
  * another scene or the same; does not wait. Both are on the device. `by_flags`: cells that are all

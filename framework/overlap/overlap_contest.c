@@ -1,21 +1,18 @@
 #include "framework/overlap/overlap_contest.h"
 
 #include "framework/base/memory.h"
-#include "framework/contest/contest_table.h"
-#include "framework/contest/tet_runner.h"
+#include "framework/overlap/overlap_paint.h"
 
 #include <stdio.h>
 #include <string.h>
 
-enum { DIRECTIONS = 2 };
-
 typedef struct overlapping {
-    const bb_overlap_request *request;
+    const char *name; /* of both, in the table */
     bb_scene *const *scenes;
-    bb_overlap_result *result;
-    bb_overlapper *overlapper;
-    uint32_t asking; /* the scene that asks the other, now */
-    bb_buffer lists[2], answers, counts;
+    bb_contest_task task;
+    bb_overlapper overlapper;
+    uint32_t asking;      /* the scene that asks the other, now */
+    uint32_t *answers[2]; /* per tetrahedron 1 or 0 */
 } overlapping;
 
 static uint32_t tets_of(const bb_scene *scene)
@@ -33,123 +30,20 @@ static bb_status take(void *self, uint32_t direction, uint32_t *items)
     return BB_OK;
 }
 
-static bb_status make(void *self, const char *search, bb_tree *const *trees,
-                      bb_contest_runner *runner)
-{
-    const overlapping *o = self;
-    return bb_tet_runner_make(o->scenes, 2, search, trees, runner);
-}
-
-static bb_status ask(void *self, const bb_contest_runner *runner, bool counting)
+static bb_status ask(void *self, const bb_contest_runner *runner, bb_contest_answers answers)
 {
     overlapping *o = self;
-    const uint32_t other = 1 - o->asking;
     bb_tet_search search;
-    BB_TRY(bb_tet_runner_search(runner, o->scenes[other], other, &o->lists[other], &search));
-    return bb_overlap(o->overlapper, o->scenes[o->asking], &search,
-                      runner != NULL && runner->by_boundary, &o->answers,
-                      counting ? &o->counts : NULL);
+    BB_TRY(bb_contest_search(runner, &o->task, 1 - o->asking, &search));
+    return bb_overlap(&o->overlapper, o->scenes[o->asking], &search, runner->by_boundary,
+                      answers.items, answers.counts);
 }
 
 static bb_status see(void *self, uint32_t direction, const void *first, uint32_t items)
 {
-    overlapping *o = self;
-    bb_overlap_mesh *mesh = &o->result->meshes[direction];
-    memcpy(mesh->answers, first, items * sizeof *mesh->answers);
-    for (uint32_t i = 0; i < items; i++)
-        mesh->meeting += mesh->answers[i] != 0;
+    const overlapping *o = self;
+    memcpy(o->answers[direction], first, items * sizeof *o->answers[0]);
     return BB_OK;
-}
-
-/* ---- all of it ---- */
-
-static bb_status prepare(overlapping *o)
-{
-    const bb_overlap_request *request = o->request;
-    uint32_t most = 0;
-    for (int s = 0; s < 2; s++) {
-        bb_overlap_mesh *mesh = &o->result->meshes[s];
-        const bb_scene *scene = o->scenes[s];
-        if (scene->tets == NULL)
-            return bb_fail(BB_INVALID, "%s: has no tetrahedra that could overlap", scene->name);
-        snprintf(mesh->scene, sizeof mesh->scene, "%s", scene->name);
-        mesh->tets = tets_of(scene);
-        mesh->boundary = scene->tets->boundary_count;
-        mesh->flat = scene->tets->flat_count;
-        most = mesh->tets > most ? mesh->tets : most;
-        BB_TRY(bb_host_alloc(NULL, mesh->tets * sizeof *mesh->answers, "answers", &mesh->answers));
-        if (request->without)
-            BB_TRY(bb_tet_list_make(scene, &o->lists[s]));
-    }
-    snprintf(o->result->scene, sizeof o->result->scene, "%s and %s", o->scenes[0]->name,
-             o->scenes[1]->name);
-    BB_TRY(bb_overlapper_create(request->device, &o->overlapper));
-    for (int s = 0; s < 2; s++)
-        BB_TRY(bb_overlap_check(o->overlapper, o->scenes[s], o->scenes[1 - s]));
-    BB_TRY(
-        bb_buffer_reserve(request->device, NULL, most * sizeof(uint32_t), "answers", &o->answers));
-    return bb_buffer_reserve(request->device, NULL, most * sizeof(bb_count), "counts", &o->counts);
-}
-
-static bb_status measure(overlapping *o)
-{
-    const bb_overlap_request *request = o->request;
-    const uint32_t tets[2] = {o->result->meshes[0].tets, o->result->meshes[1].tets};
-    const bb_contest_request entry = {
-        .device = request->device,
-        .scenes = o->scenes,
-        .scene_count = 2,
-        .builders = request->builders,
-        .builder_count = request->builder_count,
-        .searches = request->searches,
-        .search_count = request->search_count,
-        .most_items = tets[0] > tets[1] ? tets[0] : tets[1],
-        .repeats = request->repeats,
-        .seed = request->seed,
-        .quiet = request->quiet,
-    };
-    const bb_contest_task task = {
-        .self = o,
-        .without = request->without,
-        .summed = true,
-        .answer_bytes = sizeof(uint32_t),
-        .questions = DIRECTIONS,
-        .answers = &o->answers,
-        .counts = &o->counts,
-        .take = take,
-        .make = make,
-        .ask = ask,
-        .see = see,
-    };
-    bb_contest *contest;
-    BB_TRY(bb_contest_create(&entry, &task, o->result->ways, &o->result->way_count, &contest));
-    bb_status status = bb_contest_run(contest);
-    bb_contest_destroy(contest);
-    return status;
-}
-
-bb_status bb_overlap_run(const bb_overlap_request *request, bb_scene *const scenes[2],
-                         bb_overlap_result *result)
-{
-    memset(result, 0, sizeof *result);
-    overlapping o = {.request = request, .scenes = scenes, .result = result};
-    bb_status status = prepare(&o);
-    if (status == BB_OK)
-        status = measure(&o);
-    bb_overlapper_destroy(o.overlapper);
-    for (int s = 0; s < 2; s++)
-        bb_buffer_release(&o.lists[s]);
-    bb_buffer_release(&o.answers);
-    bb_buffer_release(&o.counts);
-    return status;
-}
-
-void bb_overlap_release(bb_overlap_result *result)
-{
-    for (int s = 0; s < 2; s++) {
-        bb_host_free(result->meshes[s].answers);
-        result->meshes[s].answers = NULL;
-    }
 }
 
 /* ---- as rows of a table ---- */
@@ -164,40 +58,70 @@ static const bb_column meeting = {
 const bb_page_outline bb_overlap_outline = {
     .command = "overlap",
     .title = "bvhbench: overlaps of meshes",
-    .views = bb_contest_views,
-    .view_count = BB_CONTEST_VIEWS,
+    BB_CONTEST_OUTLINE(BB_CONTEST_VIEWS),
     .note = "ms: medians of the rounds, of both trees and both directions. answer: which "
             "tetrahedra meet the other mesh. / first: the ratio to the first way, paired round by "
             "round (95 %). all: build, layout and answer. nodes, tests: of nodes and of pairs per "
             "tetrahedron. differ: tetrahedra whose answers differ from those of the first way. "
             "Marked: the best, and those tied with it.",
-    .wrong = "differ",
-    .well = "All answers are the same to the last bit.",
-    .ill = "answers differ from those of the first way.",
 };
 
-static void fill_pictures(const bb_overlap_result *r, bb_table *table)
+static void fill(void *self, bb_table *table, uint32_t both)
 {
-    for (uint32_t v = 0; v < r->picture_count; v++) {
-        const bb_cell cell = {{[BB_SCENE] = r->scene, [BB_QUESTION] = r->pictures[v]}};
-        bb_table_set_text(table, bb_table_row(table, cell), &bb_column_picture, r->pictures[v]);
+    const overlapping *o = self;
+    (void)both;
+    for (int s = 0; s < 2; s++) {
+        const bb_scene *scene = o->scenes[s];
+        uint32_t met = 0;
+        char question[sizeof scene->name + 4];
+        snprintf(question, sizeof question, "%c: %s", "AB"[s], scene -> name);
+        const uint32_t row = bb_contest_scene_row(table, o->name, question);
+        for (uint32_t i = 0; i < tets_of(scene); i++)
+            met += o->answers[s][i] != 0;
+        bb_contest_fill_mesh(table, row, scene);
+        bb_table_set_number(table, row, &flat, scene->tets->flat_count);
+        bb_table_set_number(table, row, &meeting, met);
     }
 }
 
-void bb_overlap_fill(const bb_overlap_result *r, bb_table *table)
+/* ---- all of it ---- */
+
+static bb_status prepare(overlapping *o)
 {
-    const double tets = (double)r->meshes[0].tets + r->meshes[1].tets;
     for (int s = 0; s < 2; s++) {
-        const bb_overlap_mesh *mesh = &r->meshes[s];
-        char name[sizeof mesh->scene + 4];
-        snprintf(name, sizeof name, "%c: %s", "AB"[s], mesh -> scene);
-        const bb_cell cell = {{[BB_SCENE] = r->scene, [BB_QUESTION] = name}};
-        const uint32_t row = bb_table_row(table, cell);
-        bb_table_set_number(table, row, &bb_column_tetrahedra, mesh->tets);
-        bb_table_set_number(table, row, &bb_column_boundary, mesh->boundary);
-        bb_table_set_number(table, row, &flat, mesh->flat);
-        bb_table_set_number(table, row, &meeting, mesh->meeting);
+        const bb_scene *scene = o->scenes[s];
+        if (scene->tets == NULL)
+            return bb_fail(BB_INVALID, "%s: has no tetrahedra that could overlap", scene->name);
+        const uint32_t count = tets_of(scene);
+        BB_TRY(bb_host_alloc(NULL, count * sizeof *o->answers[s], "answers", &o->answers[s]));
+        o->task.most_items = count > o->task.most_items ? count : o->task.most_items;
     }
-    bb_contest_fill(table, r->scene, r->ways, r->way_count, tets, tets);
-    fill_pictures(r, table);
+    for (int s = 0; s < 2; s++)
+        BB_TRY(bb_overlap_check(&o->overlapper, o->scenes[s], o->scenes[1 - s]));
+    return BB_OK;
+}
+
+bb_status bb_overlap_run(const bb_contest_request *request, bb_scene *const scenes[2],
+                         const char *folder, bb_table *table)
+{
+    overlapping o = {.name = request->name, .scenes = scenes, .overlapper = bb_overlapper_init};
+    o.task = (bb_contest_task){.self = &o,
+                               .scenes = scenes,
+                               .scene_count = 2,
+                               .summed = true,
+                               .answer_bytes = sizeof(uint32_t),
+                               .questions = 2,
+                               .take = take,
+                               .ask = ask,
+                               .see = see,
+                               .fill = fill};
+    bb_status status = prepare(&o);
+    if (status == BB_OK)
+        status = bb_contest_run(request, &o.task, table);
+    if (status == BB_OK && folder != NULL)
+        status = bb_overlap_paint(scenes, o.answers, folder, request->name, table);
+    bb_overlapper_release(&o.overlapper);
+    for (int s = 0; s < 2; s++)
+        bb_host_free(o.answers[s]);
+    return status;
 }

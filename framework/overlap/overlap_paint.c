@@ -1,9 +1,10 @@
 /* What is left of two meshes without what meets the other, as in Stroeter, Mueller-Roemer, Stork,
  * Fellner 2020, Figure 9. */
-#include "framework/overlap/overlap_contest.h"
+#include "framework/overlap/overlap_paint.h"
 
 #include "framework/base/memory.h"
 #include "framework/judge/queries.h"
+#include "framework/measure/contest_table.h"
 #include "framework/picture/image.h"
 #include "framework/picture/picture.h"
 #include "framework/scene/tets_gather.h"
@@ -54,24 +55,36 @@ static bb_status paint_view(const bb_scene *scene, bb_oracle *oracle, const bb_v
     return status;
 }
 
-bb_status bb_overlap_paint(bb_scene *const scenes[2], const char *folder, bb_overlap_result *result)
+/* How many of a scene's tetrahedra are left. */
+static uint32_t left_of(const bb_scene *scene, const uint32_t *answers)
+{
+    uint32_t left = 0;
+    for (uint32_t i = 0; i < scene->prims[BB_TETRAHEDRON].count; i++)
+        left += answers[i] == 0;
+    return left;
+}
+
+bb_status bb_overlap_paint(bb_scene *const scenes[2], uint32_t *const answers[2],
+                           const char *folder, const char *name, bb_table *table)
 {
     bb_tets_part parts[2];
     bb_scene *left;
     bb_oracle *oracle = NULL;
     for (int s = 0; s < 2; s++)
-        parts[s] = (bb_tets_part){scenes[s], result->meshes[s].answers, 1, {0, 0, 0}};
-    const uint32_t first_of_second = result->meshes[0].tets - result->meshes[0].meeting;
-    if (first_of_second + result->meshes[1].tets == result->meshes[1].meeting)
-        return BB_OK; /* nothing is left */
+        parts[s] = (bb_tets_part){scenes[s], answers[s], 1, {0, 0, 0}};
+    const uint32_t first_of_second = left_of(scenes[0], answers[0]);
+    if (first_of_second + left_of(scenes[1], answers[1]) == 0)
+        return BB_OK;
     BB_TRY(bb_tets_gather("what does not overlap", parts, 2, &left));
     bb_status status = bb_oracle_create(left, 0, &oracle);
     for (uint32_t v = 0; v < left->view_count && status == BB_OK; v++) {
-        char *name = result->pictures[result->picture_count], path[4096];
-        snprintf(name, sizeof result->pictures[0], "apart-%.48s.png", left->views[v].name);
-        snprintf(path, sizeof path, "%s/%s", folder, name);
+        char file[64], path[4096];
+        snprintf(file, sizeof file, "apart-%.48s.png", left->views[v].name);
+        snprintf(path, sizeof path, "%s/%s", folder, file);
         status = paint_view(left, oracle, &left->views[v], first_of_second, path);
-        result->picture_count += status == BB_OK;
+        if (status == BB_OK)
+            bb_table_set_text(table, bb_contest_scene_row(table, name, file), &bb_column_picture,
+                              file);
     }
     bb_oracle_destroy(oracle);
     bb_scene_free(left);

@@ -7,7 +7,6 @@
  * meshes are not to be had: here a ball, a regular block (as "Jets"), a shell (as "Part" and "Pot")
  * and a block whose cubes grow (as those with large variance), or what is asked for.
  */
-#include "framework/contest/contest_table.h"
 #include "framework/dvr/dvr.h"
 #include "framework/overlap/overlap_contest.h"
 #include "framework/papers/reproduce.h"
@@ -36,25 +35,32 @@ static const char *const quick_meshes[] = {"tets:side=4", "tets:side=4,shape=she
 
 /* ---- measuring ---- */
 
-/* What the requests of all contests have. */
-#define CONTESTANTS                                                                                \
-    .device = request->device, .builders = builders, .builder_count = BUILDERS,                    \
-    .searches = searches, .search_count = SEARCHES, .repeats = bb_paper_rounds(request, 7),        \
-    .seed = request->seed, .quiet = request->quiet
+/* The request of all contests. */
+static bb_contest_request contest_of(const bb_reproduce_request *request, const char *name)
+{
+    return (bb_contest_request){.device = request->device,
+                                .name = name,
+                                .builders = builders,
+                                .builder_count = BUILDERS,
+                                .searches = searches,
+                                .search_count = SEARCHES,
+                                .repeats = bb_paper_rounds(request, 7),
+                                .seed = request->seed,
+                                .quiet = request->quiet};
+}
 
 static bb_status render(const bb_reproduce_request *request, bb_scene *scene, const char *name,
                         bb_table *table)
 {
     bb_transfer transfer;
-    bb_dvr_result result = {.way_count = 0};
     BB_TRY(bb_transfer_load(bb_transfer_presets[0].name, &transfer));
     const uint32_t side = request->quick ? 12 : 96;
-    const bb_dvr_request dvr = {CONTESTANTS, .transfer = &transfer, .width = side, .height = side,
+    const bb_dvr_request dvr = {.contest = contest_of(request, name),
+                                .transfer = &transfer,
+                                .width = side,
+                                .height = side,
                                 .step = 1};
-    BB_TRY(bb_dvr_run(&dvr, scene, &result));
-    snprintf(result.scene, sizeof result.scene, "%s", name);
-    bb_dvr_fill(&dvr, &result, NULL, table);
-    return BB_OK;
+    return bb_dvr_run(&dvr, scene, table);
 }
 
 static bb_status cut(const bb_reproduce_request *request, bb_scene *scene, const char *name,
@@ -62,22 +68,18 @@ static bb_status cut(const bb_reproduce_request *request, bb_scene *scene, const
 {
     const uint32_t side = request->quick ? 16 : 333;
     const double height = (double)scene->bounds.hi[2] - (double)scene->bounds.lo[2];
-    bb_slice_result result = {.way_count = 0};
     const bb_slice_request slice = {
-        CONTESTANTS,
+        .contest = contest_of(request, name),
         /* one, as thick as 1/20 of the mesh is high: what most of table 4 amounts to */
         .plan = {.axis = 2, .width = side, .height = side, .count = 1, .thickness = height / 20}};
-    BB_TRY(bb_slice_run(&slice, scene, &result));
-    bb_contest_fill(table, name, result.ways, result.way_count, (double)result.voxels, 0);
-    return BB_OK;
+    return bb_slice_run(&slice, scene, table);
 }
 
 /* With `other`, fitted into the middle. */
 static bb_status overlap(const bb_reproduce_request *request, bb_scene *scene, const char *name,
                          const char *other, bb_table *table)
 {
-    const bb_overlap_request overlap = {CONTESTANTS};
-    bb_overlap_result result = {.way_count = 0};
+    const bb_contest_request contest = contest_of(request, name);
     bb_scene *scenes[2] = {scene, NULL}, *loaded;
     BB_TRY(bb_scene_load(other, &loaded));
     bb_status status = loaded->tets != NULL ? bb_tets_fit(loaded, scene, 0.6, &scenes[1])
@@ -85,9 +87,7 @@ static bb_status overlap(const bb_reproduce_request *request, bb_scene *scene, c
     if (status == BB_OK)
         status = bb_scene_upload(scenes[1], request->device);
     if (status == BB_OK)
-        status = bb_overlap_run(&overlap, scenes, &result);
-    bb_contest_fill(table, name, result.ways, result.way_count, scene->prim_count, 0);
-    bb_overlap_release(&result);
+        status = bb_overlap_run(&contest, scenes, NULL, table);
     bb_scene_free(scenes[1]);
     bb_scene_free(loaded);
     return status;

@@ -6,7 +6,6 @@
  * of the paper there are its words. As there, an n-body density, seen in parallel projection, the
  * volume turned about each axis; here fewer turns, smaller pictures, and sizes from 64 on.
  */
-#include "framework/contest/contest_table.h"
 #include "framework/dvr/dvr.h"
 #include "framework/papers/reproduce.h"
 
@@ -24,23 +23,33 @@ static const bb_column cubes = BB_FOUND_NUMBER("cubes", "Voxels."),
                        share = BB_FOUND_NUMBER("vote_share", "Vote over all phases of the build."),
                        frame = BB_FOUND_ROUNDS("frame_ms", "Build, layout and picture.");
 
-/* Those of the whole frame, and of the vote. */
-static void add_sums(bb_table *table, const char *scene, const bb_contest_way *way)
+/* Those of the whole frame, and of the vote, of each way. */
+static void add_sums(bb_table *table, const char *scene)
 {
-    const uint32_t row = bb_contest_row(table, scene, way);
+    const uint32_t count = bb_table_row_count(table);
     double vote = NAN, sum = 0;
-    bb_samples all = way->answer;
-    if (way->builder[0] != '\0') {
-        bb_add_rounds(&all, &way->build);
-        bb_add_rounds(&all, &way->layout);
-    }
-    for (uint32_t p = 0; p < way->phase_count; p++) {
-        const double ms = bb_samples_median(&way->phases[p].ms);
-        vote = strcmp(way->phases[p].name, "vote") == 0 ? ms : vote;
+    for (uint32_t row = 0; row < count; row++) {
+        const double ms = bb_table_get_number(table, row, "phase_ms");
+        if (strcmp(bb_table_name(table, row, BB_SCENE), scene) != 0 || !isfinite(ms))
+            continue;
+        vote = strcmp(bb_table_name(table, row, BB_MAKER), "vote") == 0 ? ms : vote;
         sum += ms;
     }
-    bb_table_set_rounds(table, row, &frame, &all);
-    bb_table_set_number(table, row, &share, vote / sum);
+    for (uint32_t row = 0; row < count; row++) {
+        static const char *const parts[] = {"answer_ms", "build_ms", "layout_ms"};
+        bb_samples all = {.count = 0};
+        if (strcmp(bb_table_name(table, row, BB_SCENE), scene) != 0 ||
+            bb_table_get_rounds(table, row, parts[0]) == NULL)
+            continue;
+        for (int p = 0; p < 3; p++) {
+            const bb_samples *more = bb_table_get_rounds(table, row, parts[p]);
+            if (more != NULL)
+                bb_add_rounds(&all, more);
+        }
+        bb_table_set_rounds(table, row, &frame, &all);
+        if (bb_table_name(table, row, BB_BUILDER)[0] != '\0')
+            bb_table_set_number(table, row, &share, vote / sum);
+    }
 }
 
 static bb_status picture(const bb_reproduce_request *request, uint32_t side, const char *transfer,
@@ -49,34 +58,30 @@ static bb_status picture(const bb_reproduce_request *request, uint32_t side, con
     static const char *const builders[] = {VOLUME_BUILDER}, *const kernels[] = {"stack", "stack8"};
     char name[64];
     bb_scene *scene;
-    bb_dvr_result result = {.way_count = 0};
     const bb_dvr_request dvr = {
-        .device = request->device,
-        .builders = builders,
-        .builder_count = 1,
-        .kernels = kernels,
-        .kernel_count = 2,
+        .contest = {.device = request->device,
+                    .name = name,
+                    .builders = builders,
+                    .builder_count = 1,
+                    .searches = kernels,
+                    .search_count = 2,
+                    .repeats = bb_paper_rounds(request, 7),
+                    .seed = request->seed,
+                    .quiet = request->quiet},
         .turns = request->quick ? 1 : 4,
         .width = request->quick ? 16 : 192,
         .height = request->quick ? 16 : 192,
         .step = 0.5,
-        .repeats = bb_paper_rounds(request, 7),
-        .seed = request->seed,
-        .quiet = request->quiet,
     };
     snprintf(name, sizeof name, "nbody:n=%u%s", side, transfer);
     BB_TRY(bb_paper_add_scene(f, name));
     BB_TRY(bb_scene_load_any(name, &scene));
     bb_status status = bb_scene_upload(scene, request->device);
     if (status == BB_OK)
-        status = bb_dvr_run(&dvr, scene, &result);
-    snprintf(result.scene, sizeof result.scene, "%s", name);
-    bb_dvr_fill(&dvr, &result, NULL, f->table);
+        status = bb_dvr_run(&dvr, scene, f->table);
     const uint32_t row = bb_table_row(f->table, (bb_cell){{[BB_SCENE] = name}});
     bb_table_set_number(f->table, row, &cubes, pow(side, 3));
-    for (uint32_t w = 0; w < result.way_count; w++)
-        if (result.ways[w].refused[0] == '\0')
-            add_sums(f->table, name, &result.ways[w]);
+    add_sums(f->table, name);
     *wrong = *wrong || bb_outline_wrong(&bb_dvr_outline, f->table) > 0;
     bb_tracers_clear(request->device);
     bb_scene_free(scene);

@@ -1,43 +1,11 @@
 #include "framework/slice/slice.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 enum { GROUP_SIZE = 64, VOXELS_MAX = 1 << 27 };
 
-struct bb_slicer {
-    const bb_scene *scene;
-    bb_device *device;
-    bb_tet_kernels kernels;
-};
-
-bb_status bb_slicer_create(const bb_scene *scene, bb_slicer **out)
-{
-    *out = NULL;
-    if (scene->tets == NULL)
-        return bb_fail(BB_UNSUPPORTED, "%s: has no tetrahedra to be sliced", scene->name);
-    *out = calloc(1, sizeof **out);
-    if (*out == NULL)
-        return bb_fail(BB_REFUSED, "no memory for slices");
-    (*out)->scene = scene;
-    (*out)->device = scene->on_device.device;
-    (*out)->kernels = (bb_tet_kernels){
-        .source = "slice_tets.cl", .name = "slice_tets", .option = "BB_WALK_BOUNDARY"};
-    return BB_OK;
-}
-
-void bb_slicer_destroy(bb_slicer *slicer)
-{
-    if (slicer == NULL)
-        return;
-    bb_tet_kernels_release(&slicer->kernels);
-    free(slicer);
-}
-
-void bb_slicer_take_floats(bb_slicer *slicer)
-{
-    slicer->kernels.floats = true;
-}
+const bb_tet_kernels bb_slice_kernels = {
+    .source = "slice_tets.cl", .name = "slice_tets", .option = "BB_WALK_BOUNDARY"};
 
 /* The two axes along a slice. */
 static void axes_of(uint32_t axis, uint32_t along[2])
@@ -89,6 +57,8 @@ bb_status bb_slice_plan_check(const bb_scene *scene, bb_slice_plan *plan)
     static const char *const names = "xyz";
     const double side = (double)scene->bounds.hi[plan->axis] - (double)scene->bounds.lo[plan->axis];
     uint32_t along[2];
+    if (scene->tets == NULL)
+        return bb_fail(BB_UNSUPPORTED, "%s: has no tetrahedra to be sliced", scene->name);
     axes_of(plan->axis, along);
     const uint64_t voxels = (uint64_t)plan->width * plan->height;
     if (voxels == 0 || voxels > VOXELS_MAX || plan->count == 0)
@@ -119,18 +89,18 @@ bb_status bb_slice_plan_check(const bb_scene *scene, bb_slice_plan *plan)
     return BB_OK;
 }
 
-bb_status bb_slice(bb_slicer *slicer, const bb_tet_search *search, bool by_boundary,
+bb_status bb_slice(bb_tet_kernels *kernels, const bb_tet_search *search, bool by_boundary,
                    const bb_slice_args *slice, bb_buffer *voxels, bb_buffer *counts)
 {
-    const bb_scene_device *there = &slicer->scene->on_device;
-    const bb_prim_ends ends = bb_scene_ends(slicer->scene);
+    const bb_scene_device *there = &search->scene->on_device;
+    const bb_prim_ends ends = bb_scene_ends(search->scene);
     const size_t count = (size_t)slice->size[0] * slice->size[1];
     bb_arg args[BB_TET_SEARCH_ARGS + 7];
     cl_kernel kernel;
     if (by_boundary && search->way != BB_SEARCH_OCTREE)
         return bb_fail(BB_UNSUPPORTED, "there are no cells with flags of the boundary to slice by");
-    BB_TRY(bb_tet_kernels_get(&slicer->kernels, slicer->device, search->way, by_boundary,
-                              counts != NULL, &kernel));
+    BB_TRY(bb_tet_kernels_get(kernels, there->device, search->way, by_boundary, counts != NULL,
+                              &kernel));
     uint32_t n = bb_tet_search_args(search, args);
     args[n++] = BB_MEM(there->prims);
     args[n++] = BB_VALUE(ends);
@@ -140,5 +110,5 @@ bb_status bb_slice(bb_slicer *slicer, const bb_tet_search *search, bool by_bound
     args[n++] = BB_MEM(*voxels);
     if (counts != NULL)
         args[n++] = BB_MEM(*counts);
-    return bb_launch_args(slicer->device, kernel, count, GROUP_SIZE, args, n);
+    return bb_launch_args(there->device, kernel, count, GROUP_SIZE, args, n);
 }

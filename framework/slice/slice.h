@@ -13,25 +13,20 @@ typedef struct bb_slice_plan {
 } bb_slice_plan;
 
 /* Checks the plan; a thickness of 0 becomes that with which the slices fill the mesh's bounds.
- * BB_INVALID if planes of neighbouring voxels or slices are the same number. */
+ * BB_INVALID if planes of neighbouring voxels or slices are the same number, BB_UNSUPPORTED if the
+ * scene has no tetrahedra. */
 bb_status bb_slice_plan_check(const bb_scene *scene, bb_slice_plan *plan);
 
 /* Slice `i` of the plan, from below. */
 bb_slice_args bb_slice_at(const bb_scene *scene, const bb_slice_plan *plan, uint32_t i);
 
-typedef struct bb_slicer bb_slicer;
-
-/* For a scene with tetrahedra, which is on the device and outlives it. Owned by the caller. */
-bb_status bb_slicer_create(const bb_scene *scene, bb_slicer **out);
-void bb_slicer_destroy(bb_slicer *slicer); /* NULL is allowed */
-
-/* From now on as on a device that has no doubles. Before the first slice. */
-void bb_slicer_take_floats(bb_slicer *slicer);
+/* Variants of the kernel, none compiled yet; to be released. */
+extern const bb_tet_kernels bb_slice_kernels;
 
 /* Enqueues the slice; does not wait. `by_boundary`: the search for what meets a voxel goes to cells
  * of the boundary only, BB_UNSUPPORTED without cells. `voxels` gets bb_sliced, row by row, the
  * first axis fastest; `counts`, if not NULL, bb_count. */
-bb_status bb_slice(bb_slicer *slicer, const bb_tet_search *search, bool by_boundary,
+bb_status bb_slice(bb_tet_kernels *kernels, const bb_tet_search *search, bool by_boundary,
                    const bb_slice_args *args, bb_buffer *voxels, bb_buffer *counts);
 
 #endif

@@ -1,5 +1,7 @@
 /* Ways as rows of a table, and the views of them. */
-#include "framework/contest/contest_table.h"
+#include "framework/measure/contest_table.h"
+
+#include "framework/scene/tets.h"
 
 #include <string.h>
 
@@ -53,6 +55,23 @@ static const bb_column work = {
 static const bb_column differ = {
     "differ", "differ",          "", "Items whose answers differ from those of the first way.",
     NUMBER,   BB_BETTER_NEITHER, 0};
+static const bb_column samples_rate = {
+    "msamples_per_s", "samples M/s",  "", "Millions of samples per second.", BB_COLUMN_NUMBER,
+    BB_SENSE_TIMED,   BB_BETTER_MORE, 2};
+static const bb_column difference = {"largest_difference",
+                                     "largest difference",
+                                     "",
+                                     "Of a channel, from the first way.",
+                                     NUMBER,
+                                     BB_BETTER_NEITHER,
+                                     -1};
+static const bb_column difference_8 = {"largest_difference_8_bits",
+                                       "in 8 bits",
+                                       "",
+                                       "The largest difference, in steps of 1/255.",
+                                       NUMBER,
+                                       BB_BETTER_NEITHER,
+                                       0};
 static const bb_column nodes = {"nodes", "nodes", "", "Of the tree.", NUMBER, BB_BETTER_LESS, 0};
 static const bb_column leaves = {"leaves", "leaves",          "", "Of the tree.",
                                  NUMBER,   BB_BETTER_NEITHER, 0};
@@ -148,6 +167,17 @@ const bb_table_view bb_contest_views[BB_CONTEST_VIEWS] = {
 
 /* ---- rows ---- */
 
+uint32_t bb_contest_scene_row(bb_table *table, const char *scene, const char *question)
+{
+    return bb_table_row(table, (bb_cell){{[BB_SCENE] = scene, [BB_QUESTION] = question}});
+}
+
+void bb_contest_fill_mesh(bb_table *table, uint32_t row, const bb_scene *scene)
+{
+    bb_table_set_number(table, row, &bb_column_tetrahedra, scene->prims[BB_TETRAHEDRON].count);
+    bb_table_set_number(table, row, &bb_column_boundary, scene->tets->boundary_count);
+}
+
 static uint32_t row_of(bb_table *table, const char *scene, const bb_contest_way *way,
                        const char *maker, const char *search)
 {
@@ -156,11 +186,6 @@ static uint32_t row_of(bb_table *table, const char *scene, const bb_contest_way 
                            [BB_MAKER] = maker,
                            [BB_INTERSECTOR] = search}};
     return bb_table_row(table, cell);
-}
-
-uint32_t bb_contest_row(bb_table *table, const char *scene, const bb_contest_way *way)
-{
-    return row_of(table, scene, way, NULL, way->builder[0] == '\0' ? "no tree" : way->search);
 }
 
 /* Ways of one builder have the same tree. */
@@ -192,6 +217,14 @@ static void fill_way(bb_table *table, uint32_t row, const bb_contest_way *way, d
     bb_table_set_number(table, row, &differ, (double)way->differ);
     if (way->nodes > 0)
         bb_table_set_number(table, row, &bytes, (double)way->bytes);
+    if (!way->light)
+        return;
+    bb_table_set_number(table, row, &samples_rate,
+                        way->work * items / bb_samples_median(&way->answer) / 1e3);
+    if (way->builder[0] == '\0')
+        return;
+    bb_table_set_number(table, row, &difference, way->most);
+    bb_table_set_number(table, row, &difference_8, way->most_8);
 }
 
 void bb_contest_fill(bb_table *table, const char *scene, const bb_contest_way *ways, uint32_t count,
@@ -199,14 +232,15 @@ void bb_contest_fill(bb_table *table, const char *scene, const bb_contest_way *w
 {
     for (uint32_t w = 0; w < count; w++) {
         const bb_contest_way *way = &ways[w];
-        const uint32_t row = bb_contest_row(table, scene, way);
+        const char *search = way->builder[0] == '\0' ? "no tree" : way->search;
+        const uint32_t row = row_of(table, scene, way, NULL, search);
         if (way->refused[0] != '\0') {
             bb_table_set_text(table, row, &status, "refused");
             bb_table_set_text(table, row, &refused, way->refused);
             continue;
         }
         fill_way(table, row, way, items);
-        bb_table_set_number(table, bb_table_row(table, (bb_cell){{[BB_SCENE] = scene}}), &rounds,
+        bb_table_set_number(table, bb_contest_scene_row(table, scene, NULL), &rounds,
                             way->answer.count > 1 ? way->answer.count - 1 : 1);
         if (way->nodes > 0)
             fill_tree(table, scene, way, primitives);

@@ -1,4 +1,4 @@
-#include "framework/bench/launches.h"
+#include "framework/measure/launches.h"
 
 #include <math.h>
 

@@ -1,0 +1,509 @@
+#include "framework/measure/contest.h"
+
+#include "framework/base/interrupt.h"
+#include "framework/base/memory.h"
+#include "framework/base/random.h"
+#include "kernels/bb_shared.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct entrant {
+    bb_instance instances[BB_CONTEST_SCENES_MAX];
+    bb_contest_runner *runners; /* one per search */
+} entrant;
+
+typedef struct contest {
+    const bb_contest_request *request;
+    const bb_contest_task *task;
+    bb_contest_way ways[BB_CONTEST_WAYS_MAX];
+    bb_contest_runner runners[BB_CONTEST_WAYS_MAX]; /* of all ways */
+    uint32_t way_count, first;                      /* way with a tree */
+    entrant *entrants;
+    uint32_t base; /* the way that others are compared with */
+    unsigned char *without, *with;
+    bb_count *counts;
+    bb_buffer d_answers, d_counts;
+    uint64_t items;    /* of all questions */
+    bb_audit *audit;   /* the request's, or the next */
+    bb_audit no_audit; /* nobody asks for it */
+} contest;
+
+/* ---- making ---- */
+
+/* What a builder or a search can't do is the way's, all else ends the contest. */
+static bb_status note(bb_contest_way *way, bb_status status)
+{
+    if (status != BB_UNSUPPORTED && status != BB_REFUSED)
+        return status;
+    snprintf(way->refused, sizeof way->refused, "%s", bb_message());
+    return BB_OK;
+}
+
+static bb_status make_searches(const contest *c, entrant *e, bb_contest_runner *r,
+                               const char *search)
+{
+    bb_spec spec;
+    BB_TRY(bb_tet_search_parse(search, &spec));
+    r->leaf = 1;
+    r->by_boundary = bb_tet_search_by_boundary(&spec);
+    for (uint32_t s = 0; s < c->task->scene_count; s++) {
+        BB_TRY(
+            bb_layout_maker_create(bb_layout_find(spec.name), c->request->device, &r->makers[s]));
+        BB_TRY(bb_layout_maker_make(&r->makers[s], c->task->scenes[s], &e->instances[s].tree, 1,
+                                    BB_FORMAT_VERTICES, &r->layouts[s]));
+    }
+    return BB_OK;
+}
+
+bb_status bb_contest_search(const bb_contest_runner *r, const bb_contest_task *task,
+                            uint32_t number, bb_tet_search *search)
+{
+    const bb_scene *scene = task->scenes[number];
+    if (!r->without)
+        return bb_tet_search_by(scene, r->makers[number].layout, &r->layouts[number], search);
+    bb_tet_search_all(scene, &r->lists[number], search);
+    return BB_OK;
+}
+
+static bb_status make_runner(const contest *c, entrant *e, bb_contest_runner *r, const char *search)
+{
+    bb_contest_way *way = r->way;
+    BB_TRY(c->task->make != NULL ? c->task->make(c->task->self, search, &e->instances[0].tree, r)
+                                 : make_searches(c, e, r, search));
+    for (uint32_t s = 0; s < c->task->scene_count; s++) {
+        const bb_tree *tree = &e->instances[s].tree;
+        way->nodes += tree->info.node_count;
+        way->leaves += tree->info.leaf_count;
+        way->references += tree->info.ref_count;
+        way->bytes += e->instances[s].account.peak + r->layouts[s].bytes;
+        way->tree_bytes += bb_tree_bytes(tree);
+    }
+    return BB_OK;
+}
+
+static bb_status make_tree(const contest *c, entrant *e, uint32_t s, const char *builder)
+{
+    bb_instance *instance = &e->instances[s];
+    bb_scene *scene = c->task->scenes[s];
+    BB_TRY(bb_instance_create(c->request->device, builder, scene, c->request->seed, instance));
+    bool alone = instance->pipeline.count == 1;
+    if (c->task->blank && (!alone || (bb_instance_inputs(instance) & BB_INPUT_VOLUME) == 0))
+        return bb_fail(BB_UNSUPPORTED, "there is nothing to build over");
+    BB_TRY(bb_instance_build(instance, scene, false, NULL));
+    if (c->task->blank)
+        return BB_OK;
+    BB_TRY(bb_tree_download(&instance->tree, NULL));
+    BB_TRY(bb_tree_check(&instance->tree, scene));
+    return bb_tree_upload(&instance->tree, c->request->device, NULL);
+}
+
+static bb_status make_entrant(contest *c, uint32_t i)
+{
+    const bb_contest_request *request = c->request;
+    entrant *e = &c->entrants[i];
+    bb_status status = BB_OK;
+    for (uint32_t s = 0; s < c->task->scene_count && status == BB_OK; s++)
+        status = make_tree(c, e, s, request->builders[i]);
+    e->runners = &c->runners[c->first + i * request->search_count];
+    for (uint32_t k = 0; k < request->search_count; k++) {
+        bb_contest_way *way = e->runners[k].way;
+        way->builder = request->builders[i];
+        way->search = request->searches[k];
+        if (status != BB_OK)
+            BB_TRY(note(way, status));
+        else if (!c->task->blank)
+            BB_TRY(note(way, make_runner(c, e, &e->runners[k], request->searches[k])));
+    }
+    return BB_OK;
+}
+
+static bb_status reserve(contest *c)
+{
+    const bb_contest_request *request = c->request;
+    const uint32_t most = c->task->most_items;
+    const size_t bytes = most * c->task->answer_bytes;
+    BB_TRY(bb_host_alloc(NULL, bytes, "answers", &c->with));
+    BB_TRY(bb_host_alloc(NULL, bytes, "answers", &c->without));
+    BB_TRY(bb_host_alloc(NULL, most * sizeof *c->counts, "counts", &c->counts));
+    BB_TRY(bb_buffer_reserve(request->device, NULL, bytes, "answers", &c->d_answers));
+    BB_TRY(
+        bb_buffer_reserve(request->device, NULL, most * sizeof *c->counts, "counts", &c->d_counts));
+    c->entrants = calloc(request->builder_count, sizeof *c->entrants);
+    if (c->entrants == NULL)
+        return bb_fail(BB_REFUSED, "no memory for a comparison");
+    for (uint32_t w = 0; w < c->way_count; w++) {
+        c->ways[w].builder = c->ways[w].search = "";
+        c->ways[w].light = c->task->light;
+        c->runners[w].way = &c->ways[w];
+    }
+    c->runners[0].without = request->without;
+    for (uint32_t s = 0; s < c->task->scene_count && request->without; s++)
+        if (c->task->scenes[s]->tets != NULL)
+            BB_TRY(bb_tet_list_make(c->task->scenes[s], &c->runners[0].lists[s]));
+    return BB_OK;
+}
+
+/* The first way that is not refused. */
+static bb_status choose_base(contest *c)
+{
+    while (c->base + 1 < c->way_count && c->ways[c->base].refused[0] != '\0')
+        c->base++;
+    return c->ways[c->base].refused[0] == '\0'
+               ? BB_OK
+               : bb_fail(BB_UNSUPPORTED, "%s by %s, and no other way either: %s",
+                         c->ways[0].builder, c->ways[0].search, c->ways[0].refused);
+}
+
+static void clean_up(contest *c)
+{
+    for (uint32_t w = 0; w < c->way_count; w++)
+        for (uint32_t s = 0; s < BB_CONTEST_SCENES_MAX; s++) {
+            bb_layout_data_release(&c->runners[w].layouts[s]);
+            bb_layout_maker_destroy(&c->runners[w].makers[s]);
+            bb_buffer_release(&c->runners[w].lists[s]);
+        }
+    for (uint32_t i = 0; c->entrants != NULL && i < c->request->builder_count; i++)
+        for (uint32_t s = 0; s < BB_CONTEST_SCENES_MAX; s++)
+            bb_instance_destroy(&c->entrants[i].instances[s]);
+    free(c->entrants);
+    bb_host_free(c->with);
+    bb_host_free(c->without);
+    bb_host_free(c->counts);
+    bb_buffer_release(&c->d_answers);
+    bb_buffer_release(&c->d_counts);
+    free(c);
+}
+
+static bb_status check_input(const contest *c)
+{
+    return c->task->check != NULL ? c->task->check(c->task->self) : BB_OK;
+}
+
+static bool is_refused(const bb_contest_runner *r)
+{
+    return r->way->refused[0] != '\0';
+}
+
+static const bb_contest_runner *first_with_tree(const contest *c)
+{
+    for (uint32_t w = c->first; w < c->way_count && !c->task->blank; w++)
+        if (!is_refused(&c->runners[w]))
+            return &c->runners[w];
+    return NULL;
+}
+
+/* ---- answers ---- */
+
+static bb_contest_answers answers_of(contest *c, bool counting)
+{
+    return (bb_contest_answers){&c->d_answers, counting ? &c->d_counts : NULL};
+}
+
+/* Answers and counts of a way. */
+static bb_status ask(contest *c, const bb_contest_runner *r, uint32_t items, unsigned char *answers)
+{
+    const size_t bytes = c->task->answer_bytes;
+    for (uint32_t i = 0; c->task->blank && i < items; i++) {
+        memcpy(answers + i * bytes, c->task->blank_answer, bytes);
+        c->counts[i] = (bb_count){0, 0, 0};
+    }
+    if (c->task->blank && !r->without)
+        return BB_OK;
+    BB_TRY(bb_buffer_fill(&c->d_answers, items * bytes, BB_POISON));
+    BB_TRY(c->task->ask(c->task->self, r, answers_of(c, true)));
+    BB_TRY(bb_buffer_read(&c->d_answers, 0, items * bytes, answers));
+    return bb_buffer_read(&c->d_counts, 0, items * sizeof *c->counts, c->counts);
+}
+
+static uint64_t count_differences(const contest *c, uint32_t items)
+{
+    const size_t bytes = c->task->answer_bytes;
+    uint64_t differ = 0;
+    for (uint32_t i = 0; i < items; i++)
+        differ += memcmp(c->without + i * bytes, c->with + i * bytes, bytes) != 0;
+    return differ;
+}
+
+static void add_answers(const contest *c, uint32_t items, bb_contest_way *way)
+{
+    way->differ += count_differences(c, items);
+    for (uint32_t i = 0; i < items; i++) {
+        way->visits += c->counts[i].nodes;
+        way->work += c->counts[i].prims;
+        way->overflown += c->counts[i].overflow;
+    }
+    if (c->task->compare != NULL)
+        c->task->compare(c->task->self, c->without, c->with, items, way);
+}
+
+static bb_status compare_question(contest *c, uint32_t question)
+{
+    uint32_t items;
+    BB_TRY(c->task->take(c->task->self, question, &items));
+    c->items += items;
+    BB_TRY(ask(c, &c->runners[c->base], items, c->without));
+    memcpy(c->with, c->without, items * c->task->answer_bytes);
+    add_answers(c, items, &c->ways[c->base]);
+    if (c->task->see != NULL)
+        BB_TRY(c->task->see(c->task->self, question, c->without, items));
+    for (uint32_t w = c->base + 1; w < c->way_count; w++) {
+        if (is_refused(&c->runners[w]))
+            continue;
+        BB_TRY(ask(c, &c->runners[w], items, c->with));
+        add_answers(c, items, &c->ways[w]);
+    }
+    return BB_OK;
+}
+
+static bb_status compare_answers(contest *c)
+{
+    for (uint32_t q = 0; q < c->task->questions; q++)
+        BB_TRY(compare_question(c, q));
+    for (uint32_t w = 0; w < c->way_count; w++) {
+        bb_contest_way *way = &c->ways[w];
+        way->visits /= (double)c->items;
+        way->work /= (double)c->items;
+        if (way->overflown == 0)
+            continue;
+        snprintf(way->refused, sizeof way->refused, "its stack was too small for %llu of %llu rays",
+                 (unsigned long long)way->overflown, (unsigned long long)c->items);
+        way->differ = 0;
+    }
+    return BB_OK;
+}
+
+/* ---- rounds ---- */
+
+/* Of an answer that was timed, to the last question. */
+static bb_status compare_timed(contest *c, const bb_contest_runner *r, uint32_t items)
+{
+    BB_TRY(bb_buffer_read(&c->d_answers, 0, items * c->task->answer_bytes, c->with));
+    if (r->way->differ == 0) /* else they were counted, of all questions */
+        r->way->differ = count_differences(c, items);
+    return BB_OK;
+}
+
+/* Of all scenes together: their builds have the same phases. */
+static void add_phases(bb_contest_way *way, const entrant *e, uint32_t scenes)
+{
+    const bb_instance *first = &e->instances[0];
+    way->phase_count = 0;
+    for (uint32_t s = 0; s < first->step_count; s++) {
+        const bb_build_step *step = &first->steps[s];
+        for (uint32_t p = 0; p < step->phases.count && way->phase_count < BB_PHASES_MAX; p++) {
+            bb_contest_phase *phase = &way->phases[way->phase_count++];
+            bool alone = first->step_count == 1;
+            double ms = 0;
+            for (uint32_t k = 0; k < scenes; k++)
+                if (s < e->instances[k].step_count && p < e->instances[k].steps[s].phases.count)
+                    ms += e->instances[k].steps[s].phases.ms[p];
+            snprintf(phase->name, sizeof phase->name, "%s%s%s", alone ? "" : step->label,
+                     alone ? "" : ": ", step->phases.names[p]);
+            bb_samples_add(&phase->ms, ms);
+        }
+    }
+}
+
+/* Builds once for the time, once more for the phases. */
+static bb_status time_builds(contest *c, entrant *e, double *build_ms, double *upload_ms)
+{
+    *build_ms = *upload_ms = 0;
+    for (uint32_t s = 0; s < c->task->scene_count; s++) {
+        bb_instance *instance = &e->instances[s];
+        bb_build_timing timing;
+        double ms = 0;
+        BB_TRY(bb_instance_build(instance, c->task->scenes[s], false, &timing));
+        bb_audit_build(c->audit, c->request->name, instance);
+        if (!c->task->blank)
+            BB_TRY(bb_tree_upload(&instance->tree, c->request->device, &ms));
+        *build_ms += timing.timing.ms;
+        *upload_ms += ms;
+        BB_TRY(bb_instance_build(instance, c->task->scenes[s], true, NULL));
+        if (!c->task->blank)
+            BB_TRY(bb_tree_upload(&instance->tree, c->request->device, NULL));
+    }
+    return BB_OK;
+}
+
+static void audit(contest *c, const bb_contest_runner *r, const char *part, const bb_timing *timing)
+{
+    char what[256];
+    snprintf(what, sizeof what, "%s of %.80s by %.60s%s%.60s", part, c->request->name,
+             r->way->builder, r->without ? "no tree" : " with ", r->way->search);
+    bb_audit_timing(c->audit, what, timing, true);
+}
+
+static bb_status time_layouts(contest *c, entrant *e, bb_contest_runner *r, double *ms)
+{
+    for (uint32_t s = 0; s < c->task->scene_count && !c->task->blank; s++) {
+        BB_TRY(bb_layout_maker_make(&r->makers[s], c->task->scenes[s], &e->instances[s].tree,
+                                    r->leaf, BB_FORMAT_VERTICES, &r->layouts[s]));
+        *ms += r->layouts[s].timing.ms;
+        audit(c, r, "layout", &r->layouts[s].timing);
+    }
+    return BB_OK;
+}
+
+static bb_status time_entrant(contest *c, entrant *e)
+{
+    const uint32_t searches = c->request->search_count;
+    double build_ms, upload_ms;
+    bool refused = true;
+    for (uint32_t k = 0; k < searches; k++)
+        refused = refused && is_refused(&e->runners[k]);
+    if (refused)
+        return BB_OK;
+    BB_TRY(time_builds(c, e, &build_ms, &upload_ms));
+    for (uint32_t k = 0; k < searches; k++) {
+        bb_contest_runner *r = &e->runners[k];
+        double layout_ms = upload_ms;
+        if (is_refused(r))
+            continue;
+        bb_samples_add(&r->way->build, build_ms);
+        add_phases(r->way, e, c->task->scene_count);
+        BB_TRY(time_layouts(c, e, r, &layout_ms));
+        bb_samples_add(&r->way->layout, layout_ms);
+    }
+    return BB_OK;
+}
+
+static bb_status time_answer(contest *c, const bb_contest_runner *r, bb_timing *timing)
+{
+    bb_stopwatch watch;
+    *timing = (bb_timing){0};
+    if (!r->without && c->task->blank)
+        return BB_OK; /* takes no search */
+    BB_TRY(bb_stopwatch_start(c->request->device, &watch));
+    BB_TRY(bb_stopwatch_stop(&watch, c->task->ask(c->task->self, r, answers_of(c, false)), timing));
+    audit(c, r, "answer", timing);
+    return BB_OK;
+}
+
+/* Another order in each round and for each question, so that nobody always follows the same. */
+static void shuffle(const contest *c, uint32_t round, uint32_t question, uint32_t *order,
+                    uint32_t count)
+{
+    bb_random random =
+        bb_random_make(c->request->seed, ((uint64_t)round << 32 | question) * 2654435761u);
+    bb_random_order(&random, order, count);
+}
+
+static bb_status time_question(contest *c, uint32_t round, uint32_t question, bb_timing *sums)
+{
+    const bool last = round == c->request->repeats && question + 1 == c->task->questions;
+    const uint32_t parts = c->task->summed ? 1 : c->task->questions;
+    uint32_t items, order[BB_CONTEST_WAYS_MAX];
+    BB_TRY(c->task->take(c->task->self, question, &items));
+    shuffle(c, round, question, order, c->way_count);
+    for (uint32_t i = 0; i < c->way_count; i++) {
+        const uint32_t w = order[i];
+        const bb_contest_runner *r = &c->runners[w];
+        bb_timing timing;
+        if (is_refused(r))
+            continue;
+        BB_TRY(time_answer(c, r, &timing));
+        sums[w].ms += timing.ms / parts;
+        sums[w].cpu_ms += timing.cpu_ms / parts;
+        if (last && (r->without || !c->task->blank))
+            BB_TRY(compare_timed(c, r, items));
+    }
+    return BB_OK;
+}
+
+static bb_status time_round(contest *c, uint32_t round, bb_progress *progress)
+{
+    bb_timing sums[BB_CONTEST_WAYS_MAX] = {{0}};
+    const uint32_t builders = c->request->builder_count;
+    uint32_t order[BB_CONTEST_WAYS_MAX];
+    shuffle(c, round, UINT32_MAX, order, builders);
+    if (c->task->time != NULL)
+        BB_TRY(c->task->time(c->task->self));
+    for (uint32_t i = 0; i < builders; i++)
+        BB_TRY(time_entrant(c, &c->entrants[order[i]]));
+    for (uint32_t q = 0; q < c->task->questions; q++) {
+        BB_TRY(time_question(c, round, q, sums));
+        bb_progress_step(progress);
+    }
+    for (uint32_t w = 0; w < c->way_count; w++) {
+        if (is_refused(&c->runners[w]))
+            continue;
+        bb_samples_add(&c->ways[w].answer, sums[w].ms);
+        bb_samples_add(&c->ways[w].answer_cpu, sums[w].cpu_ms);
+    }
+    return BB_OK;
+}
+
+/* Counts as interrupted only before a round that counts. */
+static bb_status run_rounds(contest *c)
+{
+    const uint32_t rounds = c->request->repeats + 1, steps = rounds * c->task->questions;
+    bb_progress progress;
+    bb_progress_start(&progress, c->request->quiet);
+    if (c->request->watch != NULL)
+        bb_warn_of_bystanders(c->request->watch, c->request->device, &progress);
+    bb_progress_stage(&progress, steps, "%s: %u ways, %u rounds", c->request->name, c->way_count,
+                      c->request->repeats);
+    bb_progress_plan(&progress, steps);
+    bb_progress_weigh(&progress, steps);
+    bb_status status = BB_OK;
+    for (uint32_t r = 0; r < rounds && status == BB_OK && !bb_interrupted(); r++)
+        status = time_round(c, r, &progress);
+    bb_progress_end(&progress);
+    BB_TRY(status);
+    return !bb_interrupted() || c->ways[c->base].answer.count >= 2
+               ? BB_OK
+               : bb_fail(BB_FAILED, "%s: interrupted before a round that counts", c->request->name);
+}
+
+static bb_status run(contest *c)
+{
+    const bb_contest_task *task = c->task;
+    BB_TRY(reserve(c));
+    for (uint32_t i = 0; i < c->request->builder_count; i++)
+        BB_TRY(make_entrant(c, i));
+    BB_TRY(choose_base(c));
+    BB_TRY(check_input(c));
+    BB_TRY(compare_answers(c));
+    BB_TRY(run_rounds(c));
+    BB_TRY(check_input(c));
+    return task->end != NULL && !bb_interrupted()
+               ? task->end(task->self, first_with_tree(c), answers_of(c, true))
+               : BB_OK;
+}
+
+static void fill(const contest *c, bb_table *table)
+{
+    const bb_contest_task *task = c->task;
+    const double answers = task->summed ? 1 : task->questions;
+    double tets = 0;
+    for (uint32_t s = 0; s < task->scene_count; s++)
+        tets += task->scenes[s]->prims[BB_TETRAHEDRON].count;
+    task->fill(task->self, table, bb_contest_scene_row(table, c->request->name, NULL));
+    bb_contest_fill(table, c->request->name, c->ways, c->way_count, (double)c->items / answers,
+                    tets);
+}
+
+bb_status bb_contest_run(const bb_contest_request *request, const bb_contest_task *task,
+                         bb_table *table)
+{
+    const uint32_t first = request->without ? 1 : 0;
+    const uint32_t count = first + request->builder_count * request->search_count;
+    if (count > BB_CONTEST_WAYS_MAX || count == 0)
+        return bb_fail(BB_INVALID, "%u builders with %u searches are more than %d ways, or none",
+                       request->builder_count, request->search_count, BB_CONTEST_WAYS_MAX - 1);
+    contest *c = calloc(1, sizeof *c);
+    if (c == NULL)
+        return bb_fail(BB_REFUSED, "no memory for a comparison");
+    c->request = request;
+    c->task = task;
+    c->first = first;
+    c->way_count = count;
+    c->audit = request->audit != NULL ? request->audit : &c->no_audit;
+    bb_status status = run(c);
+    if (status == BB_OK)
+        fill(c, table);
+    clean_up(c);
+    return status;
+}
