@@ -202,14 +202,12 @@ function(bvhbench_embed_report target)
     set(report_history_js ${shown}/dom.js ${shown}/figure.js history.js)
     set(atlas_html ${shown}/head.html atlas.html) # another
     set(atlas_js ${shown}/dom.js atlas.js)
-    set(animate_html ${shown}/head.html animate.html) # and another
-    set(animate_js ${shown}/dom.js ${shown}/figure.js ${shown}/axis.js animate.js)
     set(style_css ${shown}/style.css)
     set(page_html ${shown}/head.html ${shown}/page.html) # of framework/show
     set(page_js dom.js figure.js grid.js axis.js plot.js blocks.js)
     list(TRANSFORM page_js PREPEND ${shown}/)
     foreach(part style_css page_html page_js report_html report_js report_history_html report_history_js atlas_html
-                 atlas_js animate_html animate_js)
+                 atlas_js)
         list(TRANSFORM ${part} PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/framework/report/page/)
         set(output ${CMAKE_CURRENT_BINARY_DIR}/generated/embedded_${part}.c)
         bvhbench_incbin(${output} bb_text_${part} ${${part}})

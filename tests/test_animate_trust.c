@@ -5,9 +5,7 @@
 #include "framework/animate/animate.h"
 #include "framework/builder/registry.h"
 #include "tests/device_fixture.h"
-#include "tests/program_fixture.h"
-
-#include <math.h>
+#include "tests/table_fixture.h"
 
 /* ---- bugs in device code, through the program ---- */
 
@@ -39,8 +37,8 @@ static void write_planted(const char *source, const char *name, const plant *pla
     write_file(planted, text, strlen(text));
 }
 
-/* `animate` with device code from folder NAME; its only result. Exit status 1. */
-static cJSON *animate_planted(const char *name, const char *arguments)
+/* `animate` with device code from folder NAME: its table. Exit status 1. */
+static bb_table *animate_planted(const char *name, const char *arguments)
 {
     char command[512], path[64];
     snprintf(command, sizeof command,
@@ -51,58 +49,56 @@ static cJSON *animate_planted(const char *name, const char *arguments)
     if (o->exit_status != 1)
         fail_msg("%s: exit %d\n%s%s", name, o->exit_status, o->out, o->err);
     snprintf(path, sizeof path, "%s.out/animate.json", name);
-    return read_results(path);
+    return read_table(path);
 }
 
-static const cJSON *member_of(const cJSON *list, const char *key, const char *value)
+/* The only scene's name. */
+static const char *scene_of(const bb_table *table)
 {
-    const cJSON *member;
-    cJSON_ArrayForEach(member, list)
-    {
-        if (strcmp(cJSON_GetObjectItem(member, key)->valuestring, value) == 0)
-            return member;
-    }
-    fail_msg("there is no %s '%s'", key, value);
-    return NULL;
+    return bb_table_name(table, bb_table_row_count(table) - 1, BB_SCENE);
 }
 
-static const cJSON *result_of(const cJSON *json)
+static bb_cell method_of(const bb_table *table, const char *name)
 {
-    return cJSON_GetArrayItem(cJSON_GetObjectItem(json, "results"), 0);
+    return (bb_cell){{[BB_SCENE] = scene_of(table), [BB_BUILDER] = name}};
 }
 
-static const cJSON *method_of(const cJSON *json, const char *name)
+static const char *text_of(const bb_table *table, bb_cell cell, const char *column)
 {
-    return member_of(cJSON_GetObjectItem(result_of(json), "methods"), "method", name);
+    return bb_table_get_text(table, bb_table_find(table, cell), column);
 }
 
 /* None with wrong answers or a fault is among the fastest, of which there are some. */
-static void expect_no_winner(const cJSON *json, const char *method, const char *kernel)
+static void expect_no_winner(const bb_table *table, const char *way)
 {
-    const cJSON *winner, *winners = cJSON_GetObjectItem(result_of(json), "winners");
-    assert_true(cJSON_GetArraySize(winners) > 0);
-    cJSON_ArrayForEach(winner, winners)
-    {
-        const cJSON *by = cJSON_GetObjectItem(winner, "kernel");
-        if (strcmp(cJSON_GetObjectItem(winner, "method")->valuestring, method) == 0)
-            assert_true(kernel != NULL && strcmp(by->valuestring, kernel) != 0);
+    uint32_t winners = 0;
+    for (uint32_t row = 0; row < bb_table_row_count(table); row++) {
+        const char *fastest = bb_table_get_text(table, row, "fastest");
+        winners += fastest[0] != '\0';
+        assert_true(strncmp(fastest, way, strlen(way)) != 0);
     }
-}
-
-static double number_of(const cJSON *object, const char *name)
-{
-    const cJSON *number = cJSON_GetObjectItem(object, name);
-    assert_true(cJSON_IsNumber(number));
-    return number->valuedouble;
+    assert_true(winners > 0);
 }
 
 /* Wrong answers in frame f of those through a kernel. */
-static double wrong_in(const cJSON *method, const char *kernel, int f)
+static double wrong_in(const bb_table *table, const char *method, const char *kernel, int f)
 {
-    const cJSON *entry = member_of(cJSON_GetObjectItem(method, "kernels"), "kernel", kernel);
-    const cJSON *wrong = cJSON_GetArrayItem(cJSON_GetObjectItem(entry, "wrong"), f);
-    assert_true(cJSON_IsNumber(wrong));
-    return wrong->valuedouble;
+    char frame[8];
+    bb_cell cell = method_of(table, method);
+    snprintf(frame, sizeof frame, "%d", f);
+    cell.names[BB_FRAME] = frame;
+    cell.names[BB_INTERSECTOR] = kernel;
+    return number(table, cell, "wrong");
+}
+
+/* How many frames a method did. */
+static int frames_of(const bb_table *table, const char *method)
+{
+    int count = 0;
+    for (uint32_t row = 0; row < bb_table_row_count(table); row++)
+        count += bb_table_get_text(table, row, "way")[0] != '\0' &&
+                 strcmp(bb_table_name(table, row, BB_BUILDER), method) == 0;
+    return count;
 }
 
 /* In the frames where it follows, of the method and the kernel that it is made for. */
@@ -112,22 +108,23 @@ static void a_layout_that_follows_wrongly_is_found(void **state)
     write_planted(
         "kernels/layout_wide_follow.cl", "places",
         &(plant){"for (uint c = 0; c < BB_WIDTH; c++)", "for (uint c = 2; c < BB_WIDTH; c++)"}, 1);
-    cJSON *json = animate_planted("places", "--scene twist:n=300,frames=3 --builder lbvh,"
-                                            "lbvh+refit --kernel stack,stack8 --rays primary,"
-                                            "random");
-    const cJSON *refit = method_of(json, "lbvh+refit"), *lbvh = method_of(json, "lbvh");
+    bb_table *table = animate_planted("places", "--scene twist:n=300,frames=3 --builder lbvh,"
+                                                "lbvh+refit --kernel stack,stack8 --rays primary,"
+                                                "random");
     double sum = 0;
     for (int f = 0; f < 3; f++) {
-        sum += wrong_in(refit, "stack8", f);
-        assert_true((wrong_in(refit, "stack8", f) > 0) == (f > 0));
-        assert_true(wrong_in(refit, "stack", f) == 0);
-        assert_true(wrong_in(lbvh, "stack8", f) == 0 && wrong_in(lbvh, "stack", f) == 0);
+        const double wrong = wrong_in(table, "lbvh+refit", "stack8", f);
+        sum += wrong;
+        assert_true((wrong > 0) == (f > 0));
+        assert_true(wrong_in(table, "lbvh+refit", "stack", f) == 0);
+        assert_true(wrong_in(table, "lbvh", "stack8", f) == 0);
+        assert_true(wrong_in(table, "lbvh", "stack", f) == 0);
     }
-    assert_true(number_of(cJSON_GetObjectItem(refit, "sums"), "wrong") == sum);
-    assert_true(number_of(cJSON_GetObjectItem(lbvh, "sums"), "wrong") == 0);
-    assert_false(cJSON_IsTrue(cJSON_GetObjectItem(refit, "failed")));
-    expect_no_winner(json, "lbvh+refit", "stack8");
-    cJSON_Delete(json);
+    assert_true(number(table, method_of(table, "lbvh+refit"), "wrong_answers") == sum);
+    assert_true(number(table, method_of(table, "lbvh"), "wrong_answers") == 0);
+    assert_string_equal(text_of(table, method_of(table, "lbvh+refit"), "status"), "");
+    expect_no_winner(table, "lbvh+refit, stack8");
+    bb_table_free(table);
 }
 
 /* Whichever way work-groups hand over. */
@@ -140,20 +137,22 @@ static void a_refit_that_loses_boxes_is_found(void **state)
          "        if (children > 0)\n            e = bb_joined(e, child);"},
     };
     write_planted("builders/common/refit.cl", "boxes", plants, 2);
-    cJSON *json = animate_planted("boxes", "--scene twist:n=300,frames=3 --builder lbvh,lbvh+refit "
-                                           "--kernel stack --rays primary");
-    const cJSON *refit = method_of(json, "lbvh+refit"), *lbvh = method_of(json, "lbvh");
-    const cJSON *refused = cJSON_GetObjectItem(refit, "refused");
-    if (!cJSON_IsString(refused) || strncmp(refused->valuestring, "frame 1: ", 9) != 0 ||
-        strstr(refused->valuestring, "contain") == NULL)
-        fail_msg("lbvh+refit: %s", cJSON_IsString(refused) ? refused->valuestring : "not refused");
-    assert_int_equal(cJSON_GetArraySize(cJSON_GetObjectItem(refit, "way")), 1);
-    assert_false(cJSON_IsString(cJSON_GetObjectItem(lbvh, "refused")));
-    assert_int_equal(cJSON_GetArraySize(cJSON_GetObjectItem(lbvh, "way")), 3);
-    assert_true(cJSON_IsTrue(cJSON_GetObjectItem(refit, "failed")));
-    assert_true(cJSON_IsFalse(cJSON_GetObjectItem(lbvh, "failed")));
-    expect_no_winner(json, "lbvh+refit", NULL);
-    cJSON_Delete(json);
+    bb_table *table =
+        animate_planted("boxes", "--scene twist:n=300,frames=3 --builder lbvh,lbvh+refit "
+                                 "--kernel stack --rays primary");
+    const bb_cell refit = method_of(table, "lbvh+refit"), lbvh = method_of(table, "lbvh");
+    const char *refused = text_of(table, refit, "refused");
+    if (strncmp(refused, "frame 1: ", 9) != 0 || strstr(refused, "contain") == NULL)
+        fail_msg("lbvh+refit: '%s'", refused);
+    assert_int_equal(frames_of(table, "lbvh+refit"), 1);
+    assert_string_equal(text_of(table, lbvh, "refused"), "");
+    assert_int_equal(frames_of(table, "lbvh"), 3);
+    assert_string_equal(text_of(table, refit, "status"), "failed");
+    assert_string_equal(text_of(table, lbvh, "status"), "");
+    expect_no_winner(table, "lbvh+refit");
+    bb_table_free(table);
+    const outcome *o = run("report --markdown boxes.out/animate.json");
+    assert_non_null(strstr(o->out, "**lbvh+refit failed: frame 1: "));
 }
 
 /* Each kind of wrong answer by itself: a distance that is off by a thousandth, on the right
@@ -186,15 +185,14 @@ static void wrong_answers_of_each_kind_count(void **state)
         snprintf(arguments, sizeof arguments, "%s --builder lbvh --kernel stack --rays primary",
                  cases[i].scene);
         write_planted(cases[i].source, cases[i].name, &cases[i].plant, 1);
-        cJSON *json = animate_planted(cases[i].name, arguments);
-        const cJSON *lbvh = method_of(json, "lbvh");
+        bb_table *table = animate_planted(cases[i].name, arguments);
         for (int f = 0; f < 2; f++) {
-            double wrong = wrong_in(lbvh, "stack", f);
+            double wrong = wrong_in(table, "lbvh", "stack", f);
             if (cases[i].scene == room ? wrong != 16 * 16 : wrong <= 0 || wrong >= 16 * 16)
                 fail_msg("%s, frame %d: %g wrong", cases[i].name, f, wrong);
         }
-        assert_true(number_of(cJSON_GetObjectItem(lbvh, "sums"), "answers") == 2 * 16 * 16);
-        cJSON_Delete(json);
+        assert_true(number(table, method_of(table, "lbvh"), "answers") == 2 * 16 * 16);
+        bb_table_free(table);
     }
 }
 

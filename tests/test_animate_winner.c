@@ -1,8 +1,7 @@
 /* Who is fastest, and what is written of it, on figures made up here. */
-#include "framework/record/put.h"
+#include "framework/table/figure.h"
 #include "tests/animate_figures.h"
-
-#include <math.h>
+#include "tests/table_fixture.h"
 
 static void faster(const bb_animate_result *result, uint32_t m, uint32_t with, uint32_t count,
                    double from, double to)
@@ -131,23 +130,7 @@ static void who_keeps_still_frames_rebuilds(void **state)
     destroy(result);
 }
 
-/* ---- the record ---- */
-
-static double number_at(const cJSON *object, const char *list, int at)
-{
-    const cJSON *item = cJSON_GetArrayItem(cJSON_GetObjectItem(object, list), at);
-    if (!cJSON_IsNumber(item))
-        fail_msg("%s[%d] is no number", list, at);
-    return item->valuedouble;
-}
-
-static double number_of(const cJSON *object, const char *name)
-{
-    const cJSON *item = cJSON_GetObjectItem(object, name);
-    if (!cJSON_IsNumber(item))
-        fail_msg("%s is no number", name);
-    return item->valuedouble;
-}
+/* ---- the table ---- */
 
 /* Each figure another, so that none can stand for its neighbour. */
 static bb_animate_result *make_distinct(void)
@@ -155,10 +138,13 @@ static bb_animate_result *make_distinct(void)
     bb_animate_result *result = make_result(1);
     bb_animate_method *method = &result->methods[0];
     fill(method, BB_UPDATED, 3, 1, 100);
+    strcpy(result->scene, "s");
     strcpy(method->builder, "a");
     strcpy(result->kernels[0], "k0");
     strcpy(result->kernels[1], "k1");
     strcpy(result->rays[0], "r");
+    strcpy(result->yardsticks[0], "y");
+    result->yardstick_count = 1;
     for (uint32_t f = 0; f < FRAMES; f++) {
         bb_animate_frame *frame = &method->frames[f];
         frame->update[1] = 100 + f;
@@ -175,55 +161,187 @@ static bb_animate_result *make_distinct(void)
         }
         result->states[f].prims = 1000 + f;
         result->states[f].fresh_best = 4 + f;
+        result->states[f].fresh[0] = 5 + f;
+        result->states[f].rays[0] = RAYS + f;
+        result->states[f].moved = 0.25 * f;
+        result->states[f].moved_by = f;
+        result->states[f].oracle_ms = 30 + f;
+        result->states[f].judge_ms = 40 + f;
     }
     return result;
 }
 
-static void the_record_has_each_figure_in_its_place(void **state)
+static bb_table *table_of(const bb_animate_result *result)
+{
+    bb_table *table;
+    ASSERT_OK(bb_table_create("animate", &table));
+    bb_animate_fill(result, "strip.png", table);
+    ASSERT_OK(bb_table_status(table));
+    return table;
+}
+
+static const char *text(const bb_table *table, bb_cell cell, const char *column)
+{
+    return bb_table_get_text(table, bb_table_find(table, cell), column);
+}
+
+static void frames_have_each_figure_in_its_place(void **state)
 {
     (void)state;
     bb_animate_result *result = make_distinct();
-    cJSON *root = bb_animate_json(result);
-    assert_non_null(root);
-    const cJSON *method = cJSON_GetArrayItem(cJSON_GetObjectItem(root, "methods"), 0);
-    const cJSON *kernels = cJSON_GetObjectItem(method, "kernels");
+    bb_table *table = table_of(result);
     for (int f = 0; f < FRAMES; f++) {
-        assert_true(number_at(root, "frames", f) == 10 + f);
-        assert_true(number_at(root, "primitives", f) == 1000 + f);
-        assert_true(number_at(root, "sah_fresh_best", f) == 4 + f);
-        assert_true(number_at(method, "update_ms", f) == 100 + f);
-        assert_true(number_at(method, "update_cpu_ms", f) == 200 + f);
-        assert_true(number_at(method, "transfer_ms", f) == 300 + f);
-        assert_true(number_at(method, "sah", f) == 400 + f);
-        assert_true(number_at(method, "nodes", f) == 500 + f);
-        assert_true(number_at(method, "depth", f) == 600 + f);
-        assert_true(number_at(method, "tree_bytes", f) == 700 + f);
+        char frame[8];
+        snprintf(frame, sizeof frame, "%d", 10 + f);
+        const bb_cell all = {{"s", frame}}, method = {{"s", frame, NULL, "a"}};
+        assert_true(number(table, all, "primitives") == 1000 + f);
+        assert_true(number(table, all, "sah_fresh_best") == 4 + f);
+        assert_true(number(table, all, "moved_percent") == 25 * f);
+        assert_true(number(table, all, "moved_by") == f);
+        assert_true(number(table, all, "oracle_ms") == 30 + f);
+        assert_true(number(table, all, "judge_ms") == 40 + f);
+        assert_true(number(table, (bb_cell){{"s", frame, "r"}}, "rays") == RAYS + f);
+        assert_true(number(table, (bb_cell){{"s", frame, NULL, NULL, "y"}}, "sah_fresh") == 5 + f);
+        assert_true(number(table, method, f == 0 ? "build_ms" : "update_ms") == 100 + f);
+        assert_true(number(table, method, "update_cpu_ms") == 200 + f);
+        assert_true(number(table, method, "transfer_ms") == 300 + f);
+        assert_true(number(table, method, "sah") == 400 + f);
+        assert_true(number(table, method, "sah_over_best") == (400 + f) / (4.0 + f));
+        assert_true(number(table, method, "nodes") == 500 + f);
+        assert_true(number(table, method, "depth") == 600 + f);
+        assert_true(number(table, method, "tree_bytes") == 700 + f);
+        assert_string_equal(text(table, method, "way"), f == 0 ? "rebuilt" : "updated");
         for (int k = 0; k < 2; k++) {
-            const cJSON *kernel = cJSON_GetArrayItem(kernels, k);
-            assert_true(number_at(kernel, "layout_ms", f) == 800 + 10 * k + f);
-            assert_true(number_at(cJSON_GetObjectItem(kernel, "rays_ms"), "r", f) ==
-                        900 + 10 * k + f);
-            assert_true(number_at(kernel, "wrong", f) == (k == 1 ? 20 + f : 0));
+            const char *name = result->kernels[k];
+            const bb_cell kernel = {{"s", frame, NULL, "a", NULL, name}},
+                          set = {{"s", frame, "r", "a", NULL, name}};
+            assert_true(number(table, kernel, "layout_ms") == 800 + 10 * k + f);
+            assert_true(number(table, set, "trace_ms") == 900 + 10 * k + f);
+            assert_true(number(table, kernel, "wrong") == (k == 1 ? 20 + f : 0));
         }
     }
-    const cJSON *sums = cJSON_GetObjectItem(method, "sums");
-    assert_true(number_of(sums, "update_ms") == 102 && number_of(sums, "worst_frame") == 13);
-    assert_true(number_of(sums, "wrong") == 20 + 21 + 22 + 23);
-    assert_true(cJSON_IsFalse(cJSON_GetObjectItem(method, "failed")));
-    /* by the kernel that is right: update, transfer, layout, and 1e5 rays at 3 * 1000 in 901 + 902
-     * + 903 ms */
-    const cJSON *winner = cJSON_GetArrayItem(cJSON_GetObjectItem(root, "winners"), 0);
-    assert_string_equal(cJSON_GetObjectItem(winner, "kernel")->valuestring, "k0");
-    assert_true(number_of(winner, "count") == 1e5);
-    assert_true(fabs(number_of(winner, "frame_ms") - (102 + 302 + 802 + 1e5 * 2706 / 3000)) < 1e-6);
-    cJSON_Delete(root);
+    bb_table_free(table);
+    destroy(result);
+}
+
+static void methods_have_each_figure_in_its_place(void **state)
+{
+    (void)state;
+    bb_animate_result *result = make_distinct();
+    bb_table *table = table_of(result);
+    const bb_cell scene = {{"s"}}, method = {{"s", NULL, NULL, "a"}};
+    assert_true(number(table, scene, "first_frame") == 10 && number(table, scene, "rounds") == 1);
+    assert_true(number(table, scene, "last_frame") == 13);
+    assert_true(number(table, scene, "moved_percent") == 50 &&
+                number(table, scene, "moved_by") == 2);
+    assert_true(number(table, scene, "wrong_answers") == 20 + 21 + 22 + 23);
+    assert_true(number(table, method, "update_ms") == 102);
+    assert_true(number(table, method, "transfer_ms") == 302);
+    assert_true(number(table, method, "worst_update_ms") == 103);
+    assert_true(number(table, method, "worst_frame") == 13);
+    assert_true(number(table, method, "sah_over_best_most") == 401 / 5.0);
+    assert_true(number(table, (bb_cell){{"s", NULL, NULL, "a", "y"}}, "sah_over_fresh_most") ==
+                401 / 6.0);
+    assert_true(number(table, method, "wrong_answers") == 20 + 21 + 22 + 23);
+    assert_true(number(table, method, "frames_updated") == 3);
+    assert_true(number(table, method, "frames_rebuilt") == 0);
+    assert_string_equal(text(table, method, "status"), "");
+    assert_string_equal(text(table, (bb_cell){{"s", NULL, "frames"}}, "picture"), "strip.png");
+    for (int k = 0; k < 2; k++) {
+        const char *name = result->kernels[k];
+        const bb_cell kernel = {{"s", NULL, NULL, "a", NULL, name}},
+                      set = {{"s", NULL, "r", "a", NULL, name}};
+        assert_true(number(table, kernel, "layout_ms") == 802 + 10 * k);
+        assert_true(number(table, kernel, "wrong_answers") == (k == 1 ? 86 : 0));
+        assert_true(number(table, set, "trace_ms") == 902 + 10 * k);
+        assert_true(fabs(number(table, set, "mrays_per_s") - 3006 / (2706 + 30.0 * k) / 1e3) <
+                    1e-12);
+    }
+    bb_table_free(table);
+    destroy(result);
+}
+
+/* By the kernel that is right: update, transfer, layout, and 1e5 rays at 3006 in 901 + 902 + 903
+ * ms. */
+static void the_table_names_the_winner(void **state)
+{
+    (void)state;
+    const bb_cell count = {{"s", "1e5 rays", "r"}}, own = {{"s", "1e5 rays", "r", "a"}},
+                  method = {{"s", NULL, NULL, "a"}};
+    bb_animate_result *result = make_distinct();
+    bb_table *table = table_of(result);
+    assert_string_equal(text(table, count, "fastest"), "a, k0");
+    assert_string_equal(text(table, count, "as_fast"), "");
+    const double ms = 102 + 302 + 802 + 1e5 * 2706 / 3006;
+    assert_true(fabs(number(table, count, "least_frame_ms") - ms) < 1e-6);
+    assert_true(number(table, own, "frame_ms") == number(table, count, "least_frame_ms"));
+    assert_true(number(table, (bb_cell){{"s", "1e9 rays", "r"}}, "least_frame_ms") > 1e8);
+    bb_table_free(table);
     strcpy(result->methods[0].refused, "frame 13: it is broken");
     result->methods[0].failed = true;
-    root = bb_animate_json(result);
-    method = cJSON_GetArrayItem(cJSON_GetObjectItem(root, "methods"), 0);
-    assert_true(cJSON_IsTrue(cJSON_GetObjectItem(method, "failed")));
-    assert_int_equal(cJSON_GetArraySize(cJSON_GetObjectItem(root, "winners")), 0);
-    cJSON_Delete(root);
+    table = table_of(result);
+    assert_string_equal(text(table, method, "status"), "failed");
+    assert_string_equal(text(table, method, "refused"), "frame 13: it is broken");
+    assert_int_equal(bb_table_find(table, count), BB_NO_ROW);
+    assert_true(bb_outline_is_wrong(&bb_animate_outline, table));
+    bb_table_free(table);
+    destroy(result);
+}
+
+/* Beside methods that rebuild; who is less than 5 % slower is named, too. */
+static void the_table_tells_who_is_faster(void **state)
+{
+    (void)state;
+    bb_animate_result *result = make_result(3);
+    bb_animate_method *m = result->methods;
+    strcpy(result->scene, "s");
+    strcpy(result->rays[0], "r");
+    strcpy(m[0].builder, "a");
+    strcpy(m[1].builder, "b");
+    strcpy(m[2].builder, "c");
+    strcpy(result->kernels[0], "k0");
+    strcpy(result->kernels[1], "k1");
+    fill(&m[0], BB_UPDATED, 1, 1, 100);
+    fill(&m[1], BB_REBUILT, 7, 1, 1000);
+    fill(&m[2], BB_REBUILT, 7.01, 1, 1000);
+    bb_table *table = table_of(result);
+    const double at = 4.85 / (0.00525 - 0.001); /* see methods_change_places_where_times_cross() */
+    char expected[64], figure[BB_FIGURE_MAX];
+    snprintf(expected, sizeof expected, "below %s", bb_figure(figure, at, -1));
+    assert_string_equal(text(table, (bb_cell){{"s"}}, "faster_than"), "b");
+    assert_string_equal(text(table, (bb_cell){{"s", NULL, "r", "a"}}, "faster_for"), expected);
+    assert_string_equal(text(table, (bb_cell){{"s", NULL, "r", "c"}}, "faster_for"), "none");
+    assert_int_equal(bb_table_find(table, (bb_cell){{"s", NULL, "r", "b"}}), BB_NO_ROW);
+    assert_string_equal(text(table, (bb_cell){{"s", "1e6 rays", "r"}}, "as_fast"), "c");
+    assert_int_equal(bb_table_find(table, (bb_cell){{"s", "2e6 rays", "r"}}), BB_NO_ROW);
+    bb_table_free(table);
+    destroy(result);
+}
+
+/* Rounds that a method did not get to are no figures, and one that was not timed is none. */
+static void the_table_keeps_all_rounds(void **state)
+{
+    (void)state;
+    bb_animate_result *result = make_distinct();
+    bb_animate_frame *frames = result->methods[0].frames;
+    result->rounds = 2;
+    for (int f = 0; f < FRAMES; f++) {
+        frames[f].update[2] = 7;
+        frames[f].transfer[2] = f == 3 ? NAN : 8;
+        frames[f].update_cpu[1] = NAN;
+    }
+    bb_table *table = table_of(result);
+    const uint32_t frame = bb_table_find(table, (bb_cell){{"s", "13", NULL, "a"}}),
+                   method = bb_table_find(table, (bb_cell){{"s", NULL, NULL, "a"}});
+    const bb_samples *update = bb_table_get_rounds(table, frame, "update_ms");
+    assert_true(update->count == 3 && update->values[1] == 103 && update->values[2] == 7);
+    update = bb_table_get_rounds(table, method, "update_ms");
+    assert_true(update->count == 3 && update->values[1] == 102 && update->values[2] == 7);
+    assert_int_equal(bb_table_get_rounds(table, frame, "transfer_ms")->count, 2);
+    assert_int_equal(bb_table_get_rounds(table, method, "transfer_ms")->count, 2);
+    assert_null(bb_table_get_rounds(table, frame, "update_cpu_ms"));
+    assert_null(bb_table_get_rounds(table, method, "update_cpu_ms"));
+    bb_table_free(table);
     destroy(result);
 }
 
@@ -234,7 +352,11 @@ int main(void)
         cmocka_unit_test(noise_decides_nothing),
         cmocka_unit_test(what_is_wrong_wins_nothing),
         cmocka_unit_test(who_keeps_still_frames_rebuilds),
-        cmocka_unit_test(the_record_has_each_figure_in_its_place),
+        cmocka_unit_test(frames_have_each_figure_in_its_place),
+        cmocka_unit_test(methods_have_each_figure_in_its_place),
+        cmocka_unit_test(the_table_names_the_winner),
+        cmocka_unit_test(the_table_tells_who_is_faster),
+        cmocka_unit_test(the_table_keeps_all_rounds),
     };
     return cmocka_run_group_tests_name("animate_winner", tests, NULL, NULL);
 }

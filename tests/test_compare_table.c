@@ -216,6 +216,8 @@ static void commands_write_what_is_compared(void **state)
     static const struct {
         const char *name, *arguments;
     } commands[] = {
+        {"animate", "animate --scene twist:n=100,frames=3 --builder lbvh,lbvh+refit --rays primary "
+                    "--size 8x8 --repeats 1"},
         {"slice", "slice --scene tets:side=2 --builder lbvh --size 8x8 --slices 2 --repeats 1"},
         {"overlap", "overlap tets:side=2 tets:side=2 --builder lbvh --repeats 1"},
         {"volume", "volume --scene nbody:n=8 --builder vlbvh --size 8x8 --repeats 1 --brief"},
@@ -256,8 +258,8 @@ static void commands_write_what_is_compared(void **state)
         snprintf(arguments, sizeof arguments, "merge %s --out m", file);
         refuses("", arguments, "is a table, which has no shards");
     }
-    expect(0, "report --history all.db --out all.html", "5 runs");
-    expect(0, "report --history later.db --out later.html", "5 runs");
+    expect(0, "report --history all.db --out all.html", "6 runs");
+    expect(0, "report --history later.db --out later.html", "6 runs");
     refuses("", "slice --scene tets:side=2 --builder lbvh --quiet --history /nowhere/a.db",
             "/nowhere/a.db");
 }
@@ -271,6 +273,9 @@ static void damaged_tables_are_refused(void **state)
     refuses("", "compare version.json version.json", "bvhbench-table/1");
     write_file("older.json", "{\"schema\":\"bvhbench-slice/1\"}", 29);
     refuses("", "compare older.json older.json", "bvhbench-slice/1");
+    write_file("animate.json", "{\"schema\":\"bvhbench-animate/1\"}", 31);
+    refuses("", "compare animate.json animate.json", "bvhbench-animate/1");
+    refuses("", "report animate.json", "bvhbench-animate/1");
 }
 
 int main(void)

@@ -1,8 +1,11 @@
 /* Drivers that lie, or fail midway, as the mock GPU plays them: one line, and what was measured is
  * kept. */
 #include "tests/mock_fixture.h"
+#include "tests/table_fixture.h"
 
 #define STRESS "stress --quick --axis sorted --builder lbvh --quiet --out stressed"
+#define ANIMATE                                                                                    \
+    "animate --scene twist:n=300,frames=3 --size 16x16 --max-rays 256 --repeats 1 --quiet"
 #define RUN                                                                                        \
     "run --scene sphere-mesh:n=12 --builder lbvh --builder hlbvh --kernel stack --rays primary "   \
     "--size 16x16 --repeats 1 --no-pictures --charts no --quiet --out out"
@@ -101,10 +104,17 @@ static void lost_devices(void **state)
         assert_int_equal(o->exit_status, 2);
         assert_non_null(strstr(o->err, words));
         snprintf(mock, sizeof mock, MOCK("MOCK_GPU_FAIL=trace:5:%s"), manners[i]);
-        refuses(mock,
-                "animate --scene twist:n=300,frames=3 --size 16x16 --max-rays 256 --repeats 1 "
-                "--quiet",
-                words);
+        refuses(mock, ANIMATE, words);
+        snprintf(mock, sizeof mock, MOCK("MOCK_GPU_FAIL=trace:40:%s"), manners[i]);
+        refuses(mock, ANIMATE " --out lost", words);
+        o = run_with(mock, ANIMATE " --out lost");
+        assert_non_null(strstr(o->err, " (what was measured is in lost/animate.json)\n"));
+        bb_table *table = read_table("lost/animate.json");
+        const bb_cell frame = {{"twist:n=300,frames=3", "0", NULL, "lbvh", NULL, "stack"}};
+        assert_string_equal(bb_table_get_text(table, 0, "interrupted"), "yes");
+        assert_true(number(table, frame, "wrong") == 0);
+        bb_table_free(table);
+        assert_int_equal(run_with("", "report lost/animate.json")->exit_status, 0);
     }
 }
 

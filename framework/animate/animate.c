@@ -176,8 +176,10 @@ static bb_status do_frame(bb_animate *a, uint32_t index, uint32_t round, bb_rand
     BB_TRY(bb_scene_set_frame(a->scene, frame, &changed));
     state->frame = frame;
     state->prims = a->scene->prim_count;
-    if (round == 0)
+    if (round == 0) {
         BB_TRY(bb_animate_judge_frame(a, index));
+        a->result->frame_count = index + 1;
+    }
     for (uint32_t i = 0; i < count; i++)
         order[i] = i;
     for (uint32_t i = count; i > 1; i--) {
@@ -205,7 +207,7 @@ static bb_status do_rounds(bb_animate *a, bb_progress *progress)
     }
     return a->result->rounds > 0
                ? BB_OK
-               : bb_fail(BB_FAILED, "%s: interrupted before anything was measured", a->scene->name);
+               : bb_fail(BB_FAILED, "%s: interrupted before anything was timed", a->scene->name);
 }
 
 bb_status bb_animate_run(const bb_animate_request *request, bb_scene *scene,
@@ -224,7 +226,6 @@ bb_status bb_animate_run(const bb_animate_request *request, bb_scene *scene,
                           request->builder_count);
         status = do_rounds(&a, &progress);
         bb_progress_end(&progress);
-        result->frame_count = a.frames;
     }
     clean_up(&a);
     result->ms = bb_wall_ms() - start;

@@ -12,6 +12,7 @@
 #include "framework/builder/instance.h"
 #include "framework/judge/accuracy.h"
 #include "framework/picture/canvas.h"
+#include "framework/show/outline.h"
 #include "traversal/traversal.h"
 
 enum {
@@ -100,7 +101,7 @@ typedef struct bb_animate_state {
 typedef struct bb_animate_result {
     char scene[256], view[48];
     uint32_t ignored;     /* parts of the scene's file, see bb_scene */
-    uint32_t frame_count; /* of those asked for, that were gone through */
+    uint32_t frame_count; /* of those asked for, that were gone through and judged */
     bb_animate_state *states;
     uint32_t yardstick_count;
     char yardsticks[BB_ANIMATE_YARDSTICKS_MAX][64];
@@ -115,8 +116,9 @@ typedef struct bb_animate_result {
 } bb_animate_result;
 
 /* The scene is on the device. BB_INVALID for frames that there are not. Interrupted after a round
- * that counts, it ends with the rounds that there are; before that it fails. Afterwards the scene
- * is at any frame. */
+ * that counts, it ends with the rounds that there are; before that it fails. After a failure the
+ * result has what was judged and the rounds that were complete. Afterwards the scene is at any
+ * frame. */
 bb_status bb_animate_run(const bb_animate_request *request, bb_scene *scene,
                          bb_animate_result *result);
 void bb_animate_release(bb_animate_result *result);
@@ -204,10 +206,11 @@ bool bb_animate_ties(const bb_animate_result *result, uint32_t winner, uint32_t 
 
 /* ---- output ---- */
 
-void bb_animate_print(const bb_animate_result *result);
+/* Briefly: without charts and frames. */
+extern const bb_page_outline bb_animate_outline, bb_animate_outline_briefly;
 
-struct cJSON;
-/* NULL: no memory. */
-struct cJSON *bb_animate_json(const bb_animate_result *result);
+/* Adds the result, which has a frame, to a table. `strip`: the path of its picture of frames from
+ * the table's folder; NULL: there is none. */
+void bb_animate_fill(const bb_animate_result *result, const char *strip, bb_table *table);
 
 #endif

@@ -3,12 +3,12 @@
 #include "framework/base/interrupt.h"
 #include "framework/base/number.h"
 #include "framework/builder/registry.h"
-#include "framework/cli/contest_options.h"
+#include "framework/cli/contest_output.h"
 #include "framework/cli/inputs.h"
+#include "framework/cli/output.h"
 #include "framework/device/device_private.h"
-#include "framework/measure/contest.h"
+#include "framework/device/run_row.h"
 #include "framework/picture/image.h"
-#include "framework/report/report.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -19,7 +19,7 @@ typedef struct job {
     const char *frames;
     bb_animate_request request;
     bb_animate_result result;
-    cJSON *document, *results;
+    bb_contest_output output;
     bool wrong;
 } job;
 
@@ -44,6 +44,7 @@ static const bb_cli_option options[] = {
     BB_GROUP(bb_contest_options, job, choice),
     {"out", "DIR", "folder for animate.json, animate.html and a strip of frames; default: none",
      BB_INTO(job, choice.out)},
+    BB_HISTORY_OPTION(job, choice.history),
     BB_QUIET_OPTION(job, request.quiet),
     {.name = NULL},
 };
@@ -96,66 +97,48 @@ static bb_status read_names(job *j)
 
 /* ---- the work ---- */
 
-/* FOLDER/animate-N.png, whose name is added to `files`. */
-static bb_status write_strip(const job *j, const bb_animate_result *result, cJSON *files)
-{
-    char name[64], path[PATH_MAX];
-    if (result->strip.rgb == NULL)
-        return BB_OK;
-    snprintf(name, sizeof name, "animate-%d.png", cJSON_GetArraySize(j->results) + 1);
-    BB_TRY(bb_join_path(path, j->choice.out, name));
-    BB_TRY(bb_image_write(path, result->strip.rgb, result->strip.width, result->strip.height));
-    cJSON *file = cJSON_CreateString(name);
-    if (file != NULL && cJSON_AddItemToArray(files, file))
-        return BB_OK;
-    cJSON_Delete(file);
-    return bb_fail(BB_REFUSED, "no memory for the results");
-}
-
-static bb_status add_result(job *j)
-{
-    const bb_animate_result *result = &j->result;
-    cJSON *files = cJSON_CreateArray();
-    if (bb_contest_prints(&j->choice, j->request.device, j->results))
-        bb_animate_print(result);
-    bb_status status = write_strip(j, result, files);
-    if (status == BB_OK)
-        return bb_contest_add(j->results, bb_animate_json(result), files);
-    cJSON_Delete(files);
-    return status;
-}
-
-static bb_status animate(job *j, const char *name)
+/* What was measured, if only a part: the strip of frames and rows of the table. */
+static bb_status add_result(job *j, size_t number)
 {
     bb_animate_result *result = &j->result;
-    bb_scene *scene;
-    BB_TRY(bb_scene_load(name, &scene));
-    bb_status status = bb_scene_upload(scene, j->request.device);
-    if (status == BB_OK)
-        status = bb_animate_run(&j->request, scene, result);
-    if (status == BB_OK) {
-        j->wrong = j->wrong || bb_animate_wrong(result) > 0 || bb_animate_failed(result) > 0;
-        status = add_result(j);
+    char strip[64], path[PATH_MAX];
+    snprintf(strip, sizeof strip, "animate-%zu.png", number);
+    bb_contest_output_name(&j->output, result->scene, sizeof result->scene);
+    bb_animate_fill(result, result->strip.rgb != NULL ? strip : NULL, j->output.table);
+    if (result->strip.rgb != NULL) {
+        BB_TRY(bb_join_path(path, j->choice.out, strip));
+        BB_TRY(bb_image_write(path, result->strip.rgb, result->strip.width, result->strip.height));
     }
-    bb_animate_release(result);
-    bb_scene_free(scene);
-    return status;
+    return BB_OK;
+}
+
+static bb_status animate(job *j, bb_scene *scene, size_t number)
+{
+    char why[1024];
+    BB_TRY(bb_scene_upload(scene, j->request.device));
+    bb_status status = bb_animate_run(&j->request, scene, &j->result);
+    snprintf(why, sizeof why, "%s", status != BB_OK ? bb_message() : "");
+    bb_status added = j->result.frame_count > 0 ? add_result(j, number) : BB_OK;
+    bb_animate_release(&j->result);
+    if (status != BB_OK) {
+        bb_table_set_text(j->output.table, 0, &bb_run_interrupted, "yes");
+        return bb_fail(status, "%s", why);
+    }
+    BB_TRY(added);
+    return bb_contest_output_scene(&j->output);
 }
 
 static bb_status animate_all(job *j)
 {
-    if (!bb_contest_document("bvhbench-animate/1", j->request.device, &j->document, &j->results))
-        return bb_fail(BB_REFUSED, "no memory for the results");
-    bb_status status = BB_OK;
-    for (size_t i = 0; i < j->scenes.count && status == BB_OK && !bb_interrupted(); i++)
-        status = animate(j, j->scenes.items[i]);
-    /* what was measured before a failure is kept */
-    char why[1024];
-    snprintf(why, sizeof why, "%s", status != BB_OK ? bb_message() : "");
-    bb_status written = BB_OK;
-    if (cJSON_GetArraySize(j->results) > 0)
-        written = bb_contest_write(&j->choice, j->document, "animate", bb_report_animate);
-    return status != BB_OK ? bb_fail(status, "%s", why) : written;
+    BB_TRY(bb_contest_output_begin(&j->output, j->request.device, j->request.seed));
+    for (size_t i = 0; i < j->scenes.count && !bb_interrupted(); i++) {
+        bb_scene *scene;
+        BB_TRY(bb_scene_load(j->scenes.items[i], &scene));
+        bb_status status = animate(j, scene, i + 1);
+        bb_scene_free(scene);
+        BB_TRY(status);
+    }
+    return BB_OK;
 }
 
 static bb_status work(job *j)
@@ -166,22 +149,23 @@ static bb_status work(job *j)
     j->request.strip = j->choice.out != NULL;
     BB_TRY(bb_open_device(&j->choice.device, &j->request.device));
     bb_interrupt_catch();
-    return animate_all(j);
+    return bb_contest_output_end(&j->output, animate_all(j), &j->wrong);
 }
 
 static bb_status run(const bb_cli *cli, void *values, int *exit_status)
 {
-    (void)cli;
     job *j = values;
+    j->output = (bb_contest_output){.outline = &bb_animate_outline,
+                                    .printed = &bb_animate_outline_briefly,
+                                    .choice = &j->choice,
+                                    .command_line = cli->command_line};
     bb_status status = work(j);
     return bb_contest_end(status, j->wrong, exit_status);
 }
 
 static void release(void *values)
 {
-    job *j = values;
-    cJSON_Delete(j->document);
-    bb_device_close(j->request.device);
+    bb_device_close(((job *)values)->request.device);
 }
 
 static void more_help(FILE *out)

@@ -212,7 +212,7 @@ const bb_command bb_command_merge = {
         "and no cell may be in two of them. Exit status 1: shards are missing; what is there is\n"
         "merged. With one file and --history, appends a run that is there already, or a table: "
         "the\n"
-        "file of slice, overlap, volume or stress.\n"
+        "file of animate, slice, overlap, volume, stress or advise.\n"
         "\n"
         "GNU parallel, on this machine one at a time (times need an idle machine), or on several:\n"
         "  parallel -j 1 bvhbench run --shard {}/4 --out out/shard-{} ::: 1 2 3 4\n"

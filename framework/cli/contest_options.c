@@ -1,22 +1,14 @@
 #include "framework/cli/contest_options.h"
 
-#include "framework/base/file.h"
 #include "framework/base/interrupt.h"
-#include "framework/base/json.h"
 #include "framework/builder/pipeline.h"
 #include "framework/builder/registry.h"
 #include "framework/cli/inputs.h"
 #include "framework/cli/out_option.h"
 #include "framework/locate/tet_search.h"
-#include "framework/record/put.h"
-#include "framework/report/report.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
-
-extern const char bb_build_revision[];
 
 const bb_cli_option bb_contest_options[] = {
     {"json", NULL, "print JSON", BB_INTO(bb_contest_choice, json)},
@@ -78,68 +70,6 @@ void bb_print_volume_builders(FILE *out)
 void bb_print_mesh_builders(FILE *out)
 {
     print_declared(out, BB_OF_MESHES, "\nbuilders by default: ");
-}
-
-bool bb_contest_document(const char *schema, const bb_device *device, cJSON **document,
-                         cJSON **results)
-{
-    *document = cJSON_CreateObject();
-    *results = cJSON_CreateArray();
-    bool put = *document != NULL && bb_put_text(*document, "schema", schema) &&
-               bb_put_text(*document, "revision", bb_build_revision) &&
-               bb_put_text(*document, "device", device->name);
-    put = bb_put(*document, "results", *results) && put;
-    if (put)
-        return true;
-    cJSON_Delete(*document);
-    *document = NULL;
-    return false;
-}
-
-bool bb_contest_prints(const bb_contest_choice *choice, const bb_device *device,
-                       const cJSON *results)
-{
-    if (choice->json)
-        return false;
-    if (cJSON_GetArraySize(results) == 0)
-        printf("%s\n", device->name);
-    return true;
-}
-
-bb_status bb_contest_add(cJSON *results, cJSON *result, cJSON *files)
-{
-    if (result == NULL)
-        cJSON_Delete(files);
-    else if (bb_put(result, "picture_files", files) && cJSON_AddItemToArray(results, result))
-        return BB_OK;
-    cJSON_Delete(result);
-    return bb_fail(BB_REFUSED, "no memory for the results");
-}
-
-static bb_status write_files(const cJSON *document, const char *text, const char *folder,
-                             const char *name, bb_page_writer *page)
-{
-    char file[64], path[PATH_MAX];
-    snprintf(file, sizeof file, "%s.json", name);
-    BB_TRY(bb_join_path(path, folder, file));
-    BB_TRY(bb_file_write(path, text, strlen(text), "results"));
-    snprintf(file, sizeof file, "%s.html", name);
-    BB_TRY(bb_join_path(path, folder, file));
-    return page(document, folder, path);
-}
-
-bb_status bb_contest_write(const bb_contest_choice *choice, const cJSON *document, const char *name,
-                           bb_page_writer *page)
-{
-    char *text = bb_json_print(document, true);
-    if (text == NULL)
-        return bb_fail(BB_REFUSED, "no memory for the results");
-    if (choice->json)
-        printf("%s\n", text);
-    bb_status status =
-        choice->out != NULL ? write_files(document, text, choice->out, name, page) : BB_OK;
-    free(text);
-    return status;
 }
 
 bb_status bb_contest_begin(const bb_contest_choice *choice, char *const *scenes, size_t count)

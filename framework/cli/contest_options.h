@@ -5,8 +5,6 @@
 
 #include "framework/cli/choice.h"
 
-#include <cjson/cJSON.h>
-
 /* The values that these commands share. */
 typedef struct bb_contest_choice {
     bb_device_choice device;
@@ -37,28 +35,6 @@ bb_status bb_choose_tree_builders(bb_names *builders, bb_contest_kind kind);
 /* Print the default builders as lines of help. */
 void bb_print_volume_builders(FILE *out);
 void bb_print_mesh_builders(FILE *out);
-
-/* Makes a document of this schema with revision, device and an empty list of results, which it
- * owns. Returns false without memory; *document is NULL then. */
-bool bb_contest_document(const char *schema, const bb_device *device, cJSON **document,
-                         cJSON **results);
-
-/* Returns whether a result, which is not yet in the list, is to be printed as text. Prints the
- * device's name before the first one. */
-bool bb_contest_prints(const bb_contest_choice *choice, const bb_device *device,
-                       const cJSON *results);
-
-/* Adds a result (NULL: no memory) to the list, with the names of its pictures. Takes ownership of
- * both. */
-bb_status bb_contest_add(cJSON *results, cJSON *result, cJSON *files);
-
-/* Writes a page, as bb_report_animate() does. */
-typedef bb_status bb_page_writer(const cJSON *document, const char *folder, const char *path);
-
-/* Prints the document if --json was given, and writes NAME.json and, by `page`, NAME.html into the
- * folder --out. */
-bb_status bb_contest_write(const bb_contest_choice *choice, const cJSON *document, const char *name,
-                           bb_page_writer *page);
 
 /* Begins a command: loads plug-ins, checks the names of scenes (bb_check_scene()) and makes the
  * folder --out, if it is given. */

@@ -93,10 +93,15 @@ static bb_status print_json(const bb_table *table)
     return BB_OK;
 }
 
+static bool any_measured(const bb_contest_output *output)
+{
+    return output->table != NULL && bb_table_row_count(output->table) > 1;
+}
+
 /* Writes all output, unless nothing was measured. */
 static bb_status write_all(bb_contest_output *output)
 {
-    if (output->table == NULL || bb_table_row_count(output->table) <= 1)
+    if (!any_measured(output))
         return BB_OK;
     if (bb_interrupted())
         bb_table_set_text(output->table, 0, &bb_run_interrupted, "yes");
@@ -109,17 +114,20 @@ static bb_status write_all(bb_contest_output *output)
 
 bb_status bb_contest_output_end(bb_contest_output *output, bb_status status, bool *wrong)
 {
-    char why[1024];
+    char why[1024], kept[320] = "";
     snprintf(why, sizeof why, "%s", status != BB_OK ? bb_message() : "");
     bb_status written = write_all(output);
     if (status == BB_OK && written == BB_OK && output->choice->history != NULL)
         written = bb_output_append_table(output->choice->history, output->table);
+    if (status != BB_OK && written == BB_OK && any_measured(output) && output->choice->out != NULL)
+        snprintf(kept, sizeof kept, " (what was measured is in %.200s/%s.json)",
+                 output->choice->out, output->outline->command);
     if (wrong != NULL) {
         *wrong = bb_audit_blame(&output->audit);
         *wrong = *wrong ||
-                 (output->table != NULL && bb_outline_wrong(output->outline, output->table) > 0);
+                 (output->table != NULL && bb_outline_is_wrong(output->outline, output->table));
     }
     bb_table_free(output->table);
     output->table = NULL;
-    return status != BB_OK ? bb_fail(status, "%s", why) : written;
+    return status != BB_OK ? bb_fail(status, "%s%s", why, kept) : written;
 }

@@ -1,5 +1,5 @@
-/* Output of `volume`, `slice` and `overlap`: a table that is printed scene by scene, and written as
- * a file and as a page. */
+/* Output of `animate`, `volume`, `slice` and `overlap`: a table that is printed scene by scene, and
+ * written as a file and as a page. */
 #ifndef BB_CONTEST_OUTPUT_H
 #define BB_CONTEST_OUTPUT_H
 

@@ -1,6 +1,7 @@
 #include "framework/cli/report_table.h"
 
 #include "framework/advise/advise.h"
+#include "framework/animate/animate.h"
 #include "framework/base/file.h"
 #include "framework/cli/inputs.h"
 #include "framework/dvr/dvr.h"
@@ -11,8 +12,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const bb_page_outline *const outlines[] = {&bb_dvr_outline, &bb_slice_outline,
-                                                  &bb_overlap_outline, &bb_advise_outline};
+static const bb_page_outline *const outlines[] = {
+    &bb_animate_outline, &bb_dvr_outline,    &bb_slice_outline,
+    &bb_overlap_outline, &bb_advise_outline,
+};
 
 static const bb_page_outline *outline_of(const bb_table *table)
 {

@@ -126,7 +126,7 @@ static bb_status measure(const bb_reproduce_request *request, bb_findings *f, bo
     for (uint32_t i = 0; i < count; i++)
         BB_TRY(measure_mesh(request, names[i], names[(i + 1) % count], f));
     for (int task = 0; task < TASKS; task++)
-        *wrong = *wrong || bb_outline_wrong(&bb_slice_outline, f[task].table) > 0;
+        *wrong = *wrong || bb_outline_is_wrong(&bb_slice_outline, f[task].table);
     return BB_OK;
 }
 

@@ -82,7 +82,7 @@ static bb_status picture(const bb_reproduce_request *request, uint32_t side, con
     const uint32_t row = bb_table_row(f->table, (bb_cell){{[BB_SCENE] = name}});
     bb_table_set_number(f->table, row, &cubes, pow(side, 3));
     add_sums(f->table, name);
-    *wrong = *wrong || bb_outline_wrong(&bb_dvr_outline, f->table) > 0;
+    *wrong = *wrong || bb_outline_is_wrong(&bb_dvr_outline, f->table);
     bb_tracers_clear(request->device);
     bb_scene_free(scene);
     return status;

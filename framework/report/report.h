@@ -41,7 +41,4 @@ bb_status bb_report_charts(bb_results *results, const char *folder, uint32_t *pi
  * that lie in `folder`. */
 bb_status bb_report_atlas(const bb_table *atlas, const char *folder, const char *path);
 
-/* The page of what `animate` measured (framework/animate/), in the same way. */
-bb_status bb_report_animate(const cJSON *document, const char *folder, const char *path);
-
 #endif

@@ -34,7 +34,7 @@ void bb_outline_scene(const bb_page_outline *outline, const bb_table *table, con
     add_pictures(table, scene, page);
 }
 
-double bb_outline_wrong(const bb_page_outline *outline, const bb_table *table)
+static double count_wrong(const bb_page_outline *outline, const bb_table *table)
 {
     double wrong = 0;
     for (uint32_t row = 0; outline->wrong != NULL && row < bb_table_row_count(table); row++) {
@@ -44,18 +44,42 @@ double bb_outline_wrong(const bb_page_outline *outline, const bb_table *table)
     return wrong;
 }
 
+static bool failed(const bb_table *table, uint32_t row)
+{
+    return strcmp(bb_table_get_text(table, row, "status"), "failed") == 0;
+}
+
+/* The first row that failed; BB_NO_ROW if none did. */
+static uint32_t first_failed(const bb_table *table)
+{
+    for (uint32_t row = 0; row < bb_table_row_count(table); row++)
+        if (failed(table, row))
+            return row;
+    return BB_NO_ROW;
+}
+
+bool bb_outline_is_wrong(const bb_page_outline *outline, const bb_table *table)
+{
+    return outline->wrong != NULL &&
+           (count_wrong(outline, table) > 0 || first_failed(table) != BB_NO_ROW);
+}
+
 static void add_verdict(const bb_page_outline *outline, const bb_table *table, bb_page *page)
 {
     char count[BB_FIGURE_MAX];
-    const double wrong = bb_outline_wrong(outline, table);
+    const double wrong = count_wrong(outline, table);
     if (outline->wrong == NULL)
         return;
+    for (uint32_t row = first_failed(table); row < bb_table_row_count(table); row++)
+        if (failed(table, row))
+            bb_page_verdict(page, false, "%s failed: %s", bb_table_name(table, row, BB_BUILDER),
+                            bb_table_get_text(table, row, "refused"));
     if (bb_table_column_named(table, outline->wrong) == NULL)
         bb_page_verdict(page, false, "No answer was compared.");
-    else if (wrong == 0)
-        bb_page_verdict(page, true, "%s", outline->well);
-    else
+    else if (wrong > 0)
         bb_page_verdict(page, false, "%s %s", bb_figure(count, wrong, 0), outline->ill);
+    else if (first_failed(table) == BB_NO_ROW)
+        bb_page_verdict(page, true, "%s", outline->well);
 }
 
 static bool is_new(const bb_table *table, uint32_t row)

@@ -13,8 +13,9 @@ typedef struct bb_page_outline {
     /* Says in sentences what a scene's rows mean, before its views; NULL: nothing. */
     void (*say)(const bb_table *table, const char *scene, bb_page *page);
     const char *note;  /* how the figures are to be read; NULL: nothing is said */
-    const char *wrong; /* a column of numbers: how many answers of a row are wrong; NULL: there is
-                        * no verdict but what `say` says */
+    const char *wrong; /* a column of numbers: how many answers of a row are wrong; rows whose
+                        * "status" is "failed" are wrong, too. NULL: there is no verdict but what
+                        * `say` says */
     const char *well;  /* the verdict if none is: "All answers are the same." */
     const char *ill;   /* what follows their number: "answers differ" */
 } bb_page_outline;
@@ -25,7 +26,7 @@ void bb_outline_scene(const bb_page_outline *outline, const bb_table *table, con
 /* All of it: what belongs to the whole run, the verdict, scenes. Owned by the caller. */
 bb_status bb_outline_page(const bb_page_outline *outline, const bb_table *table, bb_page **out);
 
-/* Wrong answers of all rows. */
-double bb_outline_wrong(const bb_page_outline *outline, const bb_table *table);
+/* Whether any answer is wrong, or any row failed. */
+bool bb_outline_is_wrong(const bb_page_outline *outline, const bb_table *table);
 
 #endif

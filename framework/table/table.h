@@ -41,6 +41,23 @@ typedef struct bb_column {
     int decimals; /* after the point, in tables; -1: three significant digits */
 } bb_column;
 
+/* Initialisers of columns; `better` is NEITHER, LESS or MORE. */
+#define BB_NUMBER_COLUMN(sense, name, heading, unit, help, better, decimals)                       \
+    {                                                                                              \
+        name, heading, unit, help, BB_COLUMN_NUMBER, BB_SENSE_##sense, BB_BETTER_##better,         \
+            decimals                                                                               \
+    }
+#define BB_EXACT_COLUMN(...) BB_NUMBER_COLUMN(EXACT, __VA_ARGS__)
+#define BB_TIMED_COLUMN(...) BB_NUMBER_COLUMN(TIMED, __VA_ARGS__)
+#define BB_ROUNDS_COLUMN(name, heading, unit, help, better, decimals)                              \
+    {                                                                                              \
+        name, heading, unit, help, BB_COLUMN_ROUNDS, BB_SENSE_TIMED, BB_BETTER_##better, decimals  \
+    }
+#define BB_TEXT_COLUMN(name, heading, help)                                                        \
+    {                                                                                              \
+        name, heading, "", help, BB_COLUMN_TEXT, BB_SENSE_EXACT, BB_BETTER_NEITHER, 0              \
+    }
+
 /* ---- cells ---- */
 
 typedef enum bb_dimension {

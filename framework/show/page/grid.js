@@ -9,7 +9,7 @@ function entry(item, column, isName) {
 }
 
 function before(a, b) {
-  if (isText(a) || isText(b)) return String(a) < String(b) ? -1 : String(a) > String(b) ? 1 : 0;
+  if (isText(a) || isText(b)) return String(a).localeCompare(String(b), 'en', { numeric: true });
   if (!isNumber(a.value) || !isNumber(b.value)) return isNumber(b.value) - isNumber(a.value);
   return a.value - b.value;
 }

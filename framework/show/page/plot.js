@@ -1,5 +1,7 @@
 /* Charts of Chart.js: bars, lines or points. */
 const colours = ['#4e79a7', '#f28e2b', '#59a14f', '#e15759', '#76b7b2', '#edc948', '#b07aa1', '#9c755f'];
+const dashes = [[], [6, 3], [2, 2]];
+const known = new Map(); /* series by name: each has the same colour in all charts */
 
 const nameOf = row => row.filter(item => isText(item) && item !== '').join(', ');
 const valueOf = item => isNumber(item.value) ? item.value : null;
@@ -10,11 +12,16 @@ const seriesOf = block => block.columns.map((column, i) => i).filter(i => !isTex
 function datasetsOf(block) {
   const all = seriesOf(block), bars = block.drawing === 'bars', x = all[0];
   const point = (row, i) => ({ x: valueOf(row[x]), y: valueOf(row[i]), name: nameOf(row) });
-  return (bars ? all : all.slice(1)).map((i, n) => ({
-    label: block.columns[i].heading, backgroundColor: colours[n % colours.length], borderColor: colours[n % colours.length],
-    borderWidth: bars ? 0 : 1.5, pointRadius: 3, showLine: block.drawing === 'lines',
-    data: bars ? block.rows.map(row => valueOf(row[i])) : block.rows.map(row => point(row, i)).filter(p => p.x !== null && p.y !== null),
-  }));
+  const isDrawn = p => p.x !== null && p.y !== null && (!block.xLog || p.x > 0) && (!block.yLog || p.y > 0);
+  return (bars ? all : all.slice(1)).map(i => {
+    const label = block.columns[i].heading, n = known.get(label) ?? known.size, colour = colours[n % colours.length];
+    known.set(label, n);
+    return {
+      label, backgroundColor: colour, borderColor: colour, borderDash: dashes[Math.floor(n / colours.length) % dashes.length],
+      borderWidth: bars ? 0 : 1.5, pointRadius: block.rows.length > 10 ? 1.5 : 3, showLine: block.drawing === 'lines',
+      data: bars ? block.rows.map(row => valueOf(row[i])) : block.rows.map(row => point(row, i)).filter(isDrawn),
+    };
+  });
 }
 
 const plotOf = block => el('figure', { class: 'card' }, block.text ? el('h3', {}, block.text) : null,
@@ -31,7 +38,7 @@ function draw(block, canvas) {
       indexAxis: bars ? 'y' : 'x', animation: false, responsive: true, maintainAspectRatio: false,
       scales: bars ? { x: { ...axisOf(block.x, block.xLog), stacked: true }, y: names }
         : { x: axisOf(block.x, block.xLog), y: axisOf(block.y, block.yLog) },
-      plugins: { legend: { labels: { color: colourOf('--text') } } },
+      plugins: { legend: { labels: { color: colourOf('--text'), boxWidth: 12 } } },
     },
   });
 }
