@@ -18,6 +18,7 @@ static const bb_column column_answer = {
     "answer_ms", "answer", "ms", "Answering.", BB_COLUMN_ROUNDS, BB_SENSE_TIMED, BB_BETTER_LESS, 2};
 static const bb_column column_note = {"refused",      "refused",         "", "Why.", BB_COLUMN_TEXT,
                                       BB_SENSE_EXACT, BB_BETTER_NEITHER, 0};
+static const bb_column column_status = BB_TEXT_COLUMN("status", "status", "How it went.");
 static const bb_column column_side = {
     "side", "side", "", "Of the mesh.", BB_COLUMN_NUMBER, BB_SENSE_EXACT, BB_BETTER_NEITHER, 0};
 
@@ -329,6 +330,123 @@ static void paragraphs_end_at_100_columns(void **state)
     expect_text(page, bb_page_print, expected);
 }
 
+/* Times of frames 1 and 2 of two builders by two searches: 1 to 8. */
+static bb_table *frames_table(void)
+{
+    bb_table *table;
+    ASSERT_OK(bb_table_create("animate", &table));
+    for (int i = 0; i < 8; i++) {
+        const bb_cell cell = {{[BB_SCENE] = "a",
+                               [BB_FRAME] = i < 4 ? "9 rays" : "10 rays",
+                               [BB_BUILDER] = i % 4 < 2 ? "lbvh" : "sah",
+                               [BB_INTERSECTOR] = i % 2 == 0 ? "skip" : "stack"}};
+        bb_table_set_number(table, bb_table_row(table, cell), &column_side, 1 + i);
+    }
+    bb_table_set_text(table, 0, &column_note, "why");
+    ASSERT_OK(bb_table_status(table));
+    return table;
+}
+
+static const bb_table_view by_frame = {
+    .caption = "Sides",
+    .with = BB_SET(BB_FRAME),
+    .rows = BB_SET(BB_FRAME),
+    .across = BB_SET(BB_BUILDER),
+    .each = BB_SET(BB_INTERSECTOR),
+    .columns = {{{"side"}, NULL, false}, {{"refused"}, "", false}}};
+
+static void names_make_columns_and_grids(void **state)
+{
+    (void)state;
+    bb_table *table = frames_table();
+    expect_text(view_page(&by_frame, table, "a"), bb_page_print,
+                "Sides, skip\n"
+                "frame    lbvh side  sah side  lbvh\n"
+                "9 rays           1         3  why\n"
+                "10 rays          5         7  \n\n"
+                "Sides, stack\n"
+                "frame    lbvh side  sah side\n"
+                "9 rays           2         4\n"
+                "10 rays          6         8\n\n");
+    bb_table_free(table);
+}
+
+/* A curve for each name across, over the numbers with which the names of rows begin. */
+static void names_make_curves(void **state)
+{
+    (void)state;
+    static const bb_axes axes = {BB_DRAW_LINES, "rays", "side", true, true};
+    bb_table *table = frames_table();
+    bb_table_view view = by_frame;
+    view.axes = &axes;
+    view.columns[1].parts[0] = NULL;
+    bb_page *page = view_page(&view, table, "a");
+    assert_int_equal(bb_page_block_count(page), 2);
+    assert_string_equal(bb_page_block(page, 1)->text, "Sides, stack");
+    assert_figure(page, 0, "frame", 9);
+    assert_figure(page, 1, "frame", 10);
+    assert_figure(page, 1, "sah side", 7);
+    bb_page_free(page);
+    view.rows = BB_SET(BB_BUILDER); /* which are no numbers; but there is a first column */
+    view.across = BB_SET(BB_FRAME);
+    page = view_page(&view, table, "a");
+    assert_string_equal(item_of(page, 1, "builder")->text, "sah");
+    assert_figure(page, 1, "10 rays side", 7);
+    bb_page_free(page);
+    bb_table_free(table);
+}
+
+/* Between frames there is no best one; between builders there is. */
+static void frames_do_not_compete(void **state)
+{
+    (void)state;
+    bb_table *table = frames_table();
+    bb_column less = column_side;
+    bb_table *better;
+    less.better = BB_BETTER_LESS;
+    ASSERT_OK(bb_table_create("animate", &better));
+    for (uint32_t row = 0; row < bb_table_row_count(table); row++) {
+        bb_cell cell;
+        for (int d = 0; d < BB_DIMENSIONS; d++)
+            cell.names[d] = bb_table_name(table, row, (bb_dimension)d);
+        bb_table_set_number(better, bb_table_row(better, cell), &less, 1 + row);
+    }
+    bb_table_view view = by_frame;
+    bb_page *page = view_page(&view, better, "a");
+    assert_false(item_of(page, 0, "lbvh side")->best);
+    bb_page_free(page);
+    view.rows = BB_SET(BB_BUILDER);
+    view.across = BB_SET(BB_FRAME);
+    page = view_page(&view, better, "a");
+    assert_true(item_of(page, 0, "9 rays side")->best);
+    assert_false(item_of(page, 1, "9 rays side")->best);
+    bb_page_free(page);
+    bb_table_free(better);
+    bb_table_free(table);
+}
+
+/* A grid has at most BB_HEADS_MAX columns: those of other names make another one. */
+static void many_names_make_another_grid(void **state)
+{
+    (void)state;
+    bb_table *table;
+    uint32_t heads = 0;
+    ASSERT_OK(bb_table_create("animate", &table));
+    for (int i = 0; i < 2 * BB_HEADS_MAX; i++) {
+        char name[16];
+        snprintf(name, sizeof name, "b%d", i);
+        const bb_cell cell = {{[BB_SCENE] = "a", [BB_FRAME] = "1", [BB_BUILDER] = name}};
+        bb_table_set_number(table, bb_table_row(table, cell), &column_side, i);
+    }
+    bb_page *page = view_page(&by_frame, table, "a");
+    assert_true(bb_page_block_count(page) > 2);
+    for (uint32_t i = 0; i < bb_page_block_count(page); i++)
+        heads += bb_page_block(page, i)->head_count - 1; /* without the frame */
+    assert_int_equal(heads, 2 * BB_HEADS_MAX);
+    bb_page_free(page);
+    bb_table_free(table);
+}
+
 /* Without its x a curve would show one of its other columns by another. */
 static void plots_need_their_x(void **state)
 {
@@ -374,6 +492,14 @@ static void verdicts_need_answers(void **state)
     bb_table_set_number(table, a, &column_side, -1);
     bb_table_set_number(table, b, &column_side, 1);
     expect_verdict(table, false, "2 differ.");
+    bb_table_set_number(table, a, &column_side, 0);
+    bb_table_set_number(table, b, &column_side, 0);
+    const bb_cell sah = {{[BB_SCENE] = "a", [BB_BUILDER] = "sah"}};
+    bb_table_set_text(table, bb_table_row(table, sah), &column_status, "refused");
+    bb_table_set_text(table, bb_table_row(table, sah), &column_note, "it is broken");
+    expect_verdict(table, true, "All are the same.");
+    bb_table_set_text(table, bb_table_row(table, sah), &column_status, "failed");
+    expect_verdict(table, false, "sah failed: it is broken");
     bb_table_free(table);
 }
 
@@ -492,6 +618,10 @@ int main(int argc, char **argv)
         cmocka_unit_test(a_page_is_text),
         cmocka_unit_test(a_page_is_markdown),
         cmocka_unit_test(paragraphs_end_at_100_columns),
+        cmocka_unit_test(names_make_columns_and_grids),
+        cmocka_unit_test(names_make_curves),
+        cmocka_unit_test(frames_do_not_compete),
+        cmocka_unit_test(many_names_make_another_grid),
         cmocka_unit_test(plots_need_their_x),
         cmocka_unit_test(verdicts_need_answers),
         cmocka_unit_test(wide_grids_go_on_below),

@@ -11,6 +11,7 @@
 #include "framework/base/statistics.h"
 #include "framework/builder/instance.h"
 #include "framework/judge/accuracy.h"
+#include "framework/measure/audit.h"
 #include "framework/picture/canvas.h"
 #include "framework/show/outline.h"
 #include "traversal/traversal.h"
@@ -40,9 +41,10 @@ typedef struct bb_animate_request {
     uint32_t first, last; /* frames; last may be beyond the scene's */
     uint32_t repeats;     /* rounds that count */
     uint64_t seed;
-    bool counting; /* counts tests of each ray in the first round */
-    bool quiet;    /* no progress */
-    bool strip;    /* draw some of the frames */
+    bool counting;   /* counts tests of each ray in the first round */
+    bool quiet;      /* no progress */
+    bool strip;      /* draw some of the frames */
+    bb_audit *audit; /* gets all timings; NULL: none is asked for */
 } bb_animate_request;
 
 /* Of one round. NAN: not measured. */

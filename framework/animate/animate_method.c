@@ -144,6 +144,8 @@ static bb_status update(bb_animate *a, bb_animate_runner *runner, uint32_t index
     if (round > 0 && way != frame->way)
         return bb_fail(BB_FAILED, "%s: %s here, but %s the first time", runner->method->builder,
                        bb_update_word(way), bb_update_word(frame->way));
+    if (a->request->audit != NULL && way != BB_KEPT)
+        bb_audit_build(a->request->audit, a->scene->name, instance);
     frame->way = way;
     frame->update[round] = timing.timing.ms;
     frame->update_cpu[round] = timing.timing.cpu_ms;
@@ -184,6 +186,16 @@ static bb_status get_tracer(bb_animate *a, bb_animate_runner *runner, uint32_t k
     BB_TRY(bb_tracer_get(a->device, &request, &runner->layouts[k], &runner->tracers[k][set]));
     *fresh = runner->tracers[k][set] != before;
     return BB_OK;
+}
+
+static void audit(const bb_animate *a, const bb_animate_runner *runner, uint32_t k,
+                  const char *part, const bb_timing *timing)
+{
+    char what[400];
+    snprintf(what, sizeof what, "%s of %.120s by %s on %s", part, a->scene->name,
+             a->result->kernels[k], runner->method->builder);
+    if (a->request->audit != NULL)
+        bb_audit_timing(a->request->audit, what, timing, true);
 }
 
 static bb_status judge(bb_animate *a, uint32_t set, const bb_rays *rays, bb_animate_trace *trace)
@@ -251,6 +263,7 @@ static bb_status trace_set(bb_animate *a, bb_animate_runner *runner, uint32_t in
     bb_status status = bb_pass_launch(&pass, rays->count);
     BB_TRY(bb_stopwatch_stop(&watch, status, &timing));
     trace->rays[set][round] = timing.ms;
+    audit(a, runner, k, "trace", &timing);
     size_t bytes = rays->count * rays->query->result_bytes;
     BB_TRY(bb_buffer_read(&a->d_answers, 0, bytes, a->results));
     uint64_t *hash =
@@ -280,6 +293,8 @@ static bb_status trace(bb_animate *a, bb_animate_runner *runner, uint32_t index,
                           : bb_layout_maker_follow(maker, a->scene, &runner->instance.tree,
                                                    a->leaves[k], format, layout, &out->in_place));
         out->layout[round] = layout->timing.ms;
+        if (runner->method->frames[index].way != BB_KEPT)
+            audit(a, runner, k, "layout", &layout->timing);
         for (uint32_t set = 0; set < a->request->ray_count; set++)
             BB_TRY(trace_set(a, runner, index, round, k, set));
     }

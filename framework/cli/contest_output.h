@@ -42,9 +42,9 @@ void bb_contest_output_name(const bb_contest_output *output, char *name, size_t 
 bb_status bb_contest_output_scene(bb_contest_output *output);
 
 /* Prints JSON and writes NAME.json and NAME.html, which keep what was measured before `status`, a
- * failure; a whole run is appended to the history. *wrong: whether
- * answers are, or clocks, which is said; may be NULL. Frees the table.
- * Returns the first failure. */
+ * failure; a whole run is appended to the history. *wrong: whether answers are, or clocks,
+ * which is said; may be NULL. Frees the table. Returns the first failure, which says where the file
+ * is. */
 bb_status bb_contest_output_end(bb_contest_output *output, bb_status status, bool *wrong);
 
 #endif
