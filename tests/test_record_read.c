@@ -165,6 +165,8 @@ static void wrong_types_are_named(void **state)
          "\"claims\":[{\"claim\":\"c\",\"held\":null,\"verdict\":7}]}]}",
          "verdict"},
         {"+\"scenes\":[],\"builds\":[],\"traces\":[]} x", "not JSON"},
+        {"+\"scenes\":[],\"builds\":[],\"traces\":[],\"x\":[\"\\\"\",01]}", "not JSON"},
+        {"\xef\xbb\xbf{\"schema\":\"bvhbench-results/1\"}", "not JSON"},
     };
     const char *path = results_path("types");
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {

@@ -374,6 +374,13 @@ static void damaged_rows_are_refused(void **state)
     refuses_change("]}", "",
                    "is not JSON, is truncated, or is too large for the memory left: error at byte");
     refuses_change("]}", "]} 7", "is not JSON, is truncated");
+    refuses_change("{\"schema\"", "\xef\xbb\xbf{\"schema\"", "error at byte 0");
+    static const char *const numbers[] = {"01", "-01", "1.", "1.e3", "-.5", "00"};
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+        char member[64];
+        snprintf(member, sizeof member, "\"nodes\":%s", numbers[i]);
+        refuses_change("\"nodes\":12345", member, "is not JSON");
+    }
     char many[2000] = "[1";
     for (int i = 0; i < 256; i++)
         strcat(many, ",1");

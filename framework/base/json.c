@@ -16,6 +16,60 @@ char *bb_json_print(const cJSON *json, bool formatted)
     return valid;
 }
 
+/* ---- what cJSON lets pass ---- */
+
+static const char *skip_digits(const char *at)
+{
+    return at + strspn(at, "0123456789");
+}
+
+/* Behind the number, which begins with a digit or with a minus; NULL: it is none. */
+static const char *skip_number(const char *at)
+{
+    const char *whole = at + (*at == '-'), *end = skip_digits(whole);
+    if (end == whole || (*whole == '0' && end > whole + 1))
+        return NULL;
+    if (*end == '.') {
+        const char *part = end + 1;
+        end = skip_digits(part);
+        if (end == part)
+            return NULL;
+    }
+    if (*end == 'e' || *end == 'E') {
+        const char *power = end + 1 + (end[1] == '-' || end[1] == '+');
+        end = skip_digits(power);
+        if (end == power)
+            return NULL;
+    }
+    return end;
+}
+
+static const char *skip_string(const char *at)
+{
+    for (at++; *at != '\0' && *at != '"'; at++)
+        at += at[0] == '\\' && at[1] != '\0';
+    return at + (*at == '"');
+}
+
+const char *bb_json_fault(const char *text)
+{
+    const char *at = text;
+    if (strncmp(text, "\xef\xbb\xbf", 3) == 0)
+        return text;
+    while (*at != '\0') {
+        const char *begin = at;
+        if (*at == '"')
+            at = skip_string(at);
+        else if (*at == '-' || (*at >= '0' && *at <= '9'))
+            at = skip_number(at);
+        else
+            at++;
+        if (at == NULL)
+            return begin;
+    }
+    return NULL;
+}
+
 /* ---- the writer ---- */
 
 static void append(bb_json *json, const char *text, size_t size)

@@ -10,6 +10,10 @@
  * file's name, becomes %XX. From malloc; NULL if memory runs out or `json` is NULL. */
 char *bb_json_print(const cJSON *json, bool formatted);
 
+/* The first byte of a byte order mark, or of a number that JSON does not have, such as 01 or 1.:
+ * cJSON reads both. NULL: there is none. `text` is what cJSON has read. */
+const char *bb_json_fault(const char *text);
+
 /* Writes a document from front to back. All zero at first. If memory runs out, the writer remembers
  * it and bb_json_take() returns NULL, so callers check once. `name` is the member's name; NULL in
  * an array and for the document itself. */

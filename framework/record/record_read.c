@@ -293,6 +293,8 @@ bb_status bb_results_read(const char *path, bb_results **out)
     results->root = cJSON_ParseWithLengthOpts(text, size, &end, 0);
     if (results->root != NULL)
         end += strspn(end, " \t\r\n");
+    const char *fault = results->root != NULL ? bb_json_fault(text) : NULL;
+    end = fault != NULL ? fault : end;
     if (results->root == NULL || end != text + size) {
         status = bb_fail(BB_INVALID, "result file %s is not JSON or truncated: error at byte %zu",
                          path, end != NULL ? (size_t)(end - text) : 0);

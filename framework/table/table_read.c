@@ -1,5 +1,6 @@
 /* Tables from files, which may be truncated, hostile, or of an older program. */
 #include "framework/base/file.h"
+#include "framework/base/json.h"
 #include "framework/base/steering.h"
 #include "framework/table/table_private.h"
 
@@ -274,6 +275,10 @@ bb_status bb_table_parse(const char *json, const char *name, bb_table **out)
     *out = NULL;
     BB_TRY(check_text(json, name));
     cJSON *root = cJSON_ParseWithOpts(json, &end, true);
+    if (root != NULL && (end = bb_json_fault(json)) != NULL) {
+        cJSON_Delete(root);
+        root = NULL;
+    }
     bb_status status =
         root != NULL ? read_document(&r, root)
                      : bb_fail(BB_INVALID,
