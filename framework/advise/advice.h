@@ -1,4 +1,4 @@
-/* What was found out on the way to an advice, and how it gets into a table. */
+/* The findings of an advice, and the table of them. */
 #ifndef BB_ADVICE_H
 #define BB_ADVICE_H
 
@@ -8,21 +8,21 @@
 
 enum { BB_SAVINGS_MAX = 5, BB_NONE_CHOSEN = UINT32_MAX };
 
-/* What is within 5 % of the fastest does the same. */
+/* Contenders within 5 % of the fastest count as equally fast. */
 #define BB_ADVISE_SLACK 1.05
-/* On another tree a kernel may do so much better, or worse, beside another one. */
+/* The ratio of two kernels may differ by 1.25 from tree to tree. */
 #define BB_SCOUT_SLACK (1.25 * BB_ADVISE_SLACK)
-/* A contender may do so much better, or worse, than what others took, or a sample, foretells. */
+/* Times may differ by 1.6 from those predicted from a sample or from other contenders. */
 #define BB_FORETOLD_SLACK (1.6 * BB_SCOUT_SLACK)
 
-/* A scene that is measured on, or a sample of its primitives. */
+/* A scene to measure on, or a sample of its primitives. */
 typedef struct bb_ground {
     bb_scene *scene;
     bb_oracle *oracle;
-    double factor; /* of how many primitives of the whole each one stands for */
+    double factor; /* primitives of the whole scene per primitive here */
 } bb_ground;
 
-/* Contenders with their race and their last figures. `racers` is as long as `who`. */
+/* Contenders with their racers and their last figures, in arrays of `count`. */
 typedef struct bb_entered {
     bb_contender *who;
     bb_racer *racers;
@@ -30,26 +30,25 @@ typedef struct bb_entered {
     uint32_t count;
 } bb_entered;
 
-/* What contenders take in memory, as scouts found it: of kernels, of builders. */
+/* Memory of contenders, as measured by the scouts. */
 typedef struct bb_sizes {
-    const bb_entered *scouts[2];
-    double room; /* bytes for trees, scratch and layouts at a time */
+    const bb_entered *scouts[2]; /* of kernels, of builders */
+    double room;                 /* bytes for trees, scratch and layouts at a time */
 } bb_sizes;
 
-/* What an advice takes. */
+/* Time and memory of an advice. */
 typedef struct bb_takings {
     double seconds;
-    double host_bytes,
-        device_bytes;  /* at their peak; what is on a CPU's device is the host's too */
-    double held_bytes; /* of these, by trees, scratch and layouts */
+    double host_bytes, device_bytes; /* peaks; those of a CPU's device are part of the host's */
+    double held_bytes;               /* the part of trees, scratch and layouts */
 } bb_takings;
 
 #define BB_EXACTNESS "exactness"
 
-/* The choice with one setting replaced by a generous one. */
+/* The choice with one setting replaced by a generous value. */
 typedef struct bb_saving {
     const char *what;       /* "builder", "stack", "kinds", "all of these", BB_EXACTNESS */
-    char was[32], kept[32]; /* the setting: of the choice, and in its place */
+    char was[32], kept[32]; /* the choice's value, the generous value */
     char builder[600], kernel[600], intersector[64];
     double wrong, checked; /* rays */
     double bytes;          /* more than the choice */
@@ -60,37 +59,37 @@ typedef struct bb_saving {
 
 typedef struct bb_advice {
     const bb_advise_request *request;
-    const bb_entry *scene; /* its entry, in the first document of the whole scene; NULL: none yet */
-    bb_ground whole, sample; /* the same where there are few primitives */
-    bb_entered scouts;       /* kernels and intersectors, on one builder's trees of the sample */
-    bb_entered builders;     /* builders, by one kernel, on the sample */
-    double scout_slack;      /* by which they drop */
-    uint32_t unlikely;       /* how many bb_scouts_keep_likely() left out */
+    const bb_entry *scene;   /* in the first document of the whole scene; NULL: none yet */
+    bb_ground whole, sample; /* the same for scenes of few primitives */
+    bb_entered scouts;       /* kernels and intersectors with one builder, on the sample */
+    bb_entered builders;     /* builders with one kernel, on the sample */
+    double scout_slack;      /* the slack of both */
+    uint32_t unlikely;       /* number that bb_scouts_keep_likely() left out */
     bb_sizes sizes;
     bb_takings foretold, taken;
-    const char *preliminary; /* what was measured last when it was interrupted; NULL: it was not */
+    const char *preliminary; /* the last measurement before an interrupt; NULL: not interrupted */
     bb_entered field;
-    uint32_t best, choice; /* of the field; BB_NONE_CHOSEN */
-    uint32_t within;       /* how many are within 5 % of the best */
+    uint32_t best, choice; /* indices into the field, or BB_NONE_CHOSEN */
+    uint32_t within;       /* number within 5 % of the best */
     uint32_t heats;
     bb_saving savings[BB_SAVINGS_MAX];
     uint32_t saving_count;
-    bb_entered all; /* of the exhaustive search; count 0: none */
+    bb_entered all; /* the exhaustive search; its count is 0 without one */
     uint32_t all_best, all_least, all_choice;
 } bb_advice;
 
-/* Chooses among those of a last heat: *best the fastest by pairs that is not out, *least the least
- * within the slack of it, *within how many are. BB_NONE_CHOSEN for both if all are out. */
+/* Chooses from a last heat. *best: the fastest by pairs that is still in. *least: the least within
+ * the slack of *best. *within: how many are within it. Both are BB_NONE_CHOSEN if none is in. */
 void bb_choose_least(const bb_entered *field, uint32_t *best, uint32_t *least, uint32_t *within);
 
-/* Sets best, choice and within from the field. */
+/* Sets best, choice and within of the field. */
 void bb_choose(bb_advice *advice);
 
-/* The same after an interrupt, from what was measured before it: the field, else the scouts, which
- * become the field. Nothing is chosen if nothing was measured. */
+/* Does the same after an interrupt. If the field was not measured, the scouts take its place.
+ * Chooses nothing if nothing was measured. */
 void bb_choose_preliminary(bb_advice *advice);
 
-/* What becomes of a contender. The first ones are the states of its racer, in their order. */
+/* The fate of a contender. The first four are the states of its racer (bb_racer_state). */
 enum {
     BB_RACED,
     BB_WAS_SLOW,
@@ -103,8 +102,8 @@ enum {
 };
 extern const char *const bb_fates[BB_FATES]; /* in words */
 
-/* Fills a table, whose run has a row, with rows of the scene, of its decisions, of each contender
- * and of each saving. README.md has its columns. */
+/* Fills a table with rows for the scene, its decisions, each contender and each saving. README.md
+ * describes the rows. */
 bb_status bb_advice_fill(const bb_advice *advice, bb_table *table);
 
 #endif

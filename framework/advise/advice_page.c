@@ -1,4 +1,4 @@
-/* The advice as a page. */
+/* Shows the table of an advice as a page. */
 #include "framework/advise/advice.h"
 #include "framework/table/figure.h"
 
@@ -90,8 +90,8 @@ static bool has_fate(const bb_table *table, uint32_t row, uint32_t fate)
     return strcmp(bb_table_get_text(table, row, "state"), bb_fates[fate]) == 0;
 }
 
-/* Judged rays, and whether they show as much as was asked for: a limit of 0 cannot be shown by any
- * number of rays. */
+/* Says how many rays are wrong, and whether the judged rays are enough to show the limit. No number
+ * of rays shows a limit of 0. */
 static void say_wrong(const bb_table *table, uint32_t choice, double limit, bb_page *page)
 {
     char count[BB_FIGURE_MAX], judged[BB_FIGURE_MAX], most[BB_FIGURE_MAX];
@@ -124,7 +124,7 @@ static void say_choice(const bb_table *table, const char *scene, uint32_t choice
     say_wrong(table, choice, bb_table_get_number(table, row, "max_wrong_ppm"), page);
 }
 
-/* "race: 6 configurations: 1 chosen, 5 too slow" */
+/* Says "race: 6 configurations: 1 chosen, 5 too slow." */
 static void say_list(const bb_table *table, const char *scene, const char *question, bb_page *page)
 {
     char text[400] = "";

@@ -1,4 +1,4 @@
-/* The advice as rows of a table. */
+/* Puts an advice into a table. */
 #include "framework/advise/advice.h"
 #include "framework/base/shell_word.h"
 
@@ -35,7 +35,7 @@ TEXT(preliminary, "preliminary", "PRELIMINARY, by",
      "What was measured last when the command was interrupted.");
 TEXT(again, "again", "To measure the choice again", "A command line.");
 
-/* ---- of the whole advice: foretold, taken ---- */
+/* ---- of the rows "foretold" and "taken" ---- */
 
 TIMED(1, seconds, "seconds", "time", "s", "Wall time.");
 TIMED(0, host_bytes, "host_bytes", "host memory", "bytes", "At its peak.");
@@ -89,13 +89,13 @@ const char *const bb_fates[BB_FATES] = {
     "raced to the end", "too slow",         "too wrong", "not measured",
     "chosen",           "more than needed", "slower"};
 
-/* Where rows are put. */
+/* The table, and the scene of its rows. */
 typedef struct rows {
     bb_table *table;
     const char *scene;
 } rows;
 
-/* A kernel and an intersector are one name of a cell. */
+/* Joins kernel and intersector, which are one name of a cell. */
 static void name_pair(const char *kernel, const char *intersector, char *name, size_t capacity)
 {
     snprintf(name, capacity, "%s, %s", kernel, intersector);
@@ -133,7 +133,7 @@ static void put_figures(bb_table *table, uint32_t row, const bb_tried_figures *f
     bb_table_set_number(table, row, &kinds, f->extent.kinds);
 }
 
-/* Who of a list is picked; BB_NONE_CHOSEN. */
+/* The picks of a list; BB_NONE_CHOSEN: none. */
 typedef struct picked {
     uint32_t choice, best, least;
 } picked;
@@ -150,7 +150,7 @@ static void put_pick(bb_table *table, uint32_t row, const picked *p, uint32_t i)
     bb_table_set_text(table, row, &pick, text);
 }
 
-/* Why it is not the choice. */
+/* Puts the contender's state, and why it is not the choice. */
 static void put_fate(bb_table *table, uint32_t row, const bb_entered *field, uint32_t i,
                      const picked *p)
 {
@@ -198,7 +198,7 @@ static void put_field(const rows *to, const char *question, const bb_entered *fi
 
 /* ---- decisions ---- */
 
-/* `who`: whose they are; NULL: the scene's. */
+/* Puts the decisions of the configuration `who`; NULL: of the scene. */
 static void put_decisions(const rows *to, const bb_contender *who, const bb_entry *entry,
                           bb_field_id field)
 {

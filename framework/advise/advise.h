@@ -1,18 +1,15 @@
-/* `bvhbench advise`: the least configuration of builder, kernel and intersector that a scene needs.
+/* `bvhbench advise` finds the least configuration of builder, kernel and intersector for a scene.
  *
- *   scout    kernels and intersectors are tried on one builder's trees; kernels and intersectors
- *            that are far too slow there, and pairs that are wrong too often, are tried no further
- *            (scouts.h)
- *   race     what is left is tried with all builders, in heats with more and more rays (race.h)
- *   choice   of those that are not wrong too often and within 5 % of the fastest, the least
+ *   scout    tries kernels, intersectors and builders on a sample, and removes parts that are far
+ *            too slow and pairs that are wrong too often (scouts.h)
+ *   race     measures the rest in heats with more and more rays (race.h)
+ *   choice   takes the least of those that are accurate enough and within 5 % of the fastest
  *            (leastness.h)
- *   savings  the choice beside itself with one generous setting in place of what the scene asked
- *            for, all of them interleaved
- *   search   if asked for: everything that was ever tried, with as many rays as the last heat, to
- *            see how far the choice is from the best
+ *   savings  compares the choice with generous settings
+ *   search   on request, measures all contenders with the rays of the last heat
  *
- * Each is an ordinary comparison (bb_bench_run()); the results that are handed back are those of
- * the last one. The advice is a table.
+ * Each step is an ordinary comparison (bb_bench_run()). The caller gets the results of the last
+ * one, and the advice as a table.
  */
 #ifndef BB_ADVISE_H
 #define BB_ADVISE_H
@@ -24,35 +21,36 @@
 typedef struct bb_advise_request {
     bb_device *device;
     const char *scene;
-    bb_tried builders, kernels, intersectors; /* what is tried, in order */
+    bb_tried builders, kernels, intersectors; /* to try, in order */
     char *const *rays;                        /* kinds of rays */
     uint32_t ray_count;
-    double image_rays;      /* for which the time to image is asked, all kinds together */
-    double max_wrong_ppm;   /* that is tolerated */
-    uint32_t width, height; /* of primary rays in the last heat; fewer before */
-    uint32_t max_rays;      /* likewise, of a kind that samples */
-    uint32_t max_views;     /* of the scene; 0: all */
-    uint32_t repeats;       /* rounds of the last heat; 6 or more, or nothing can be dropped */
+    double image_rays;      /* rays of an image, all kinds together */
+    double max_wrong_ppm;   /* tolerated rate of wrong rays */
+    uint32_t width, height; /* primary rays of the last heat; earlier heats have fewer */
+    uint32_t max_rays;      /* the same for each sampled kind */
+    uint32_t max_views;     /* 0: all views of the scene */
+    uint32_t repeats;       /* rounds of the last heat, at least 6 */
     double memory;          /* bytes for trees, scratch and layouts at a time */
-    bool quick;             /* one heat less */
+    bool quick;             /* leaves out one heat */
     bool exhaustive;
     bool quiet;
     uint64_t seed;
     const char *command; /* the command line */
-    const char *further; /* options for the command that measures the choice again, each after a
-                            blank and quoted for a shell; "": none */
+    const char *further; /* more options for the command that measures the choice again, each after
+                            a blank and quoted for a shell; "": none */
 } bb_advise_request;
 
-/* Checks the names and parameters before anything is loaded. */
+/* Checks names and parameters before the scene is loaded. */
 bb_status bb_advise_check(const bb_advise_request *request);
 
-/* Advises. `results`: an empty document; `outcome`: of the comparison that is in it. `table` gets
- * the rows of the scene, none if an interrupt came before anything was measured. *found: false if
- * nothing that was tried is within the limit; then the table says how far off it was. */
+/* Advises. `results`, empty at first, gets the last comparison, and `outcome` is that comparison's.
+ * `table` gets the advice, or no row if an interrupt came before any measurement. *found is false
+ * if no contender is accurate enough; the table has their figures then, too. */
 bb_status bb_advise(const bb_advise_request *request, bb_results *results,
                     bb_bench_outcome *outcome, bb_table *table, bool *found);
 
-/* The page of such a table; the second one is for the terminal, with fewer rows of each view. */
+/* The page of the table. The second outline is for the terminal and shows fewer rows of each view.
+ */
 extern const bb_page_outline bb_advise_outline, bb_advise_outline_briefly;
 
 #endif

@@ -1,4 +1,4 @@
-/* Who is chosen, of a whole race or of what an interrupt left. */
+/* Chooses from a whole race, or from the measurements before an interrupt. */
 #include "framework/advise/advice.h"
 
 void bb_choose_least(const bb_entered *field, uint32_t *best, uint32_t *least, uint32_t *within)
@@ -32,7 +32,7 @@ static bool is_measured(const bb_entered *field)
     return false;
 }
 
-/* Scouts take the field's place; what has no cost is out. */
+/* Scouts take the place of an unmeasured field. Contenders without a cost are out. */
 void bb_choose_preliminary(bb_advice *advice)
 {
     bb_entered *const fields[] = {&advice->field, &advice->builders, &advice->scouts};

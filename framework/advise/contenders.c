@@ -1,4 +1,4 @@
-/* Lists of what is tried, from the tables of builders, kernels and intersectors. */
+/* Lists of contenders from the tables of builders, kernels and intersectors. */
 #include "framework/advise/contenders.h"
 
 #include "framework/builder/pipeline.h"

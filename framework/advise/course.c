@@ -1,4 +1,4 @@
-/* Scout, race, choice, search. */
+/* The course of an advice: scouts, race, choice, savings, exhaustive search. */
 #include "framework/advise/advise.h"
 
 #include "framework/advise/advice.h"
@@ -21,25 +21,25 @@
 enum {
     HEATS_MAX = 3,
     DOCUMENTS_MAX = 8,
-    ROUNDS = 8,        /* of heats before the last: race.h says what that makes of a chance */
-    LEAST_RAYS = 1024, /* of a kind that samples: enough for those that are many per hit */
+    ROUNDS = 8,        /* in heats before the last (race.h has the probability of an error) */
+    LEAST_RAYS = 1024, /* per sampled kind, enough for kinds with many rays per hit */
 };
 
 typedef struct course {
     const bb_advise_request *request;
     bb_advice advice;
-    const char *guess; /* the builder that is thought the fastest; NULL: nobody knows */
+    const char *guess; /* the builder that is probably the fastest; NULL: unknown */
     bb_progress progress;
-    bb_results *documents[DOCUMENTS_MAX]; /* of all comparisons but the last one */
+    bb_results *documents[DOCUMENTS_MAX]; /* of all comparisons except the last */
     uint32_t document_count;
-    bb_results *results; /* the caller's, as the next two */
+    bb_results *results; /* this and the next two are the caller's */
     bb_bench_outcome *outcome;
     bb_table *table;
 } course;
 
 /* ---- comparisons ---- */
 
-/* A document of its own, since figures point into it until the end. */
+/* Makes a document for one comparison. It is kept until the end, since figures point into it. */
 static bb_status add_document(course *c, bb_results **out)
 {
     const bb_advise_request *request = c->request;
@@ -51,7 +51,7 @@ static bb_status add_document(course *c, bb_results **out)
     return BB_OK;
 }
 
-/* The first document that has it: the last one may have nothing. */
+/* Takes the scene from the first document that has it, since the last one may be empty. */
 static void note_scene(course *c, const bb_results *document)
 {
     if (c->advice.scene == NULL)
@@ -63,7 +63,7 @@ static void note_held(course *c, const bb_bench_outcome *outcome)
     c->advice.taken.held_bytes = fmax(c->advice.taken.held_bytes, (double)outcome->bytes_held);
 }
 
-/* What was measured before an interrupt or a failure is written: it becomes the caller's. */
+/* Copies measurements before an interrupt or a failure to the caller's document. */
 static bb_status keep_document(course *c, const bb_results *document,
                                const bb_bench_outcome *outcome)
 {
@@ -73,7 +73,7 @@ static bb_status keep_document(course *c, const bb_results *document,
     return bb_results_merge(c->results, document);
 }
 
-/* Returns the failure with its message. */
+/* Keeps the document, and returns the failure with its message. */
 static bb_status keep_failed(course *c, const bb_results *document, const bb_bench_outcome *outcome,
                              bb_status failure)
 {
@@ -83,8 +83,8 @@ static bb_status keep_failed(course *c, const bb_results *document, const bb_ben
     return bb_fail(failure, "%s", reason);
 }
 
-/* What is found out of the clocks of an earlier comparison counts for the last one too. *outcome:
- * may be NULL. */
+/* Measures a heat into a document of its own. Complaints about its clocks are added to the caller's
+ * outcome. `outcome` may be NULL. */
 static bb_status compare(course *c, const bb_heat *heat, bb_entered *field,
                          bb_bench_outcome *outcome, bb_results **document)
 {
@@ -102,12 +102,12 @@ static bb_status compare(course *c, const bb_heat *heat, bb_entered *field,
     return bb_interrupted() ? keep_document(c, *document, &own) : BB_OK;
 }
 
-/* Into the caller's document. */
+/* Measures a heat into the caller's document. */
 static bb_status compare_last(course *c, const bb_heat *heat, bb_entered *field)
 {
     bb_bench_outcome outcome = {0};
     BB_TRY(bb_heat_run(c->request, heat, field, c->results, &outcome));
-    outcome.wrong = outcome.unbuilt = outcome.unjudged = 0; /* an advice is not wrong by them */
+    outcome.wrong = outcome.unbuilt = outcome.unjudged = 0; /* they are no failure of an advice */
     bb_bench_outcome_add(c->outcome, &outcome);
     note_scene(c, c->results);
     note_held(c, &outcome);
@@ -187,7 +187,7 @@ static bb_status scout_kernels(course *c)
     return BB_OK;
 }
 
-/* The fastest of the kernels that scouted. */
+/* Returns the fastest kernel of the scouts. */
 static const char *scouts_kernel(const course *c)
 {
     const bb_entered *scouts = &c->advice.scouts;
@@ -237,7 +237,7 @@ static void foretell(course *c, const bb_bench_outcome *scouted, const bb_result
                      text);
 }
 
-/* Everything that is tried, less what the scouts say. */
+/* Enters all contenders that the scouts left. */
 static bb_status enter_field(course *c)
 {
     const bb_advise_request *r = c->request;
@@ -335,7 +335,7 @@ static bb_status save(course *c)
     return BB_OK;
 }
 
-/* What a builder does not take is found out before anything is measured on the others. */
+/* Makes each builder once, so that bad parameters are refused before anything is measured. */
 static bb_status try_builders(const bb_advise_request *r)
 {
     for (size_t i = 0; i < r->builders.count; i++)
@@ -353,7 +353,7 @@ static bb_status race_and_choose(course *c)
     return c->request->exhaustive && !bb_interrupted() ? search(c) : BB_OK;
 }
 
-/* An interrupt after the choice leaves the choice. */
+/* An interrupt after the choice keeps the choice. */
 static bb_status run(course *c)
 {
     bb_advice *advice = &c->advice;
@@ -368,7 +368,7 @@ static bb_status run(course *c)
         status = enter_field(c);
     if (status == BB_OK && !bb_interrupted())
         status = race_and_choose(c);
-    if (bb_interrupted()) /* a signal makes compilers fail */
+    if (bb_interrupted()) /* a signal also makes compilers fail */
         status = BB_OK;
     BB_TRY(status);
     if (bb_interrupted() && advice->choice == BB_NONE_CHOSEN)

@@ -1,4 +1,4 @@
-/* Figures of a contender, from a result document. */
+/* Reads the figures of a contender from a result document. */
 #include "framework/advise/figures.h"
 
 #include "traversal/traversal.h"
@@ -45,7 +45,7 @@ static bool is_trace_of(const bb_entry *trace, const bb_entry *build, const bb_c
            is_text(trace, BB_F_TRACE_INTERSECTOR, c->intersector);
 }
 
-/* Ray sets of the same kind as this trace's, and whether it is the first of them. */
+/* Returns the number of ray sets of this trace's kind. *first: the trace is the first of them. */
 static uint32_t sets_of_kind(const bb_image *image, const bb_entry *build, const bb_contender *c,
                              const bb_entry *of, bool *first)
 {
@@ -62,7 +62,8 @@ static uint32_t sets_of_kind(const bb_image *image, const bb_entry *build, const
     return count;
 }
 
-/* Adds the samples of a trace, as if it were `rays` rays. False if their rounds do not match. */
+/* Adds the samples of a trace, scaled to `rays` rays. Returns false if their rounds do not match.
+ */
 static bool add_trace(const bb_entry *trace, double rays, bb_tried_figures *f)
 {
     bb_samples ms;

@@ -1,5 +1,5 @@
-/* What a result document says of a contender on a scene: what it costs to make an image, by rounds,
- * how often it is wrong, and how much it takes. */
+/* Figures of a contender on a scene, from a result document: the time of an image by rounds, wrong
+ * rays and memory. */
 #ifndef BB_ADVISE_FIGURES_H
 #define BB_ADVISE_FIGURES_H
 
@@ -7,38 +7,36 @@
 #include "framework/advise/leastness.h"
 #include "framework/record/record.h"
 
-/* An image: so many rays in all, in equal parts of each kind that there are, and within a kind of
- * each view. */
+/* An image has `rays` rays, equally many of each kind, and within a kind of each view. */
 typedef struct bb_image {
     const bb_results *results;
     const char *scene;    /* its name in the results */
-    uint32_t first_build; /* of earlier builds nothing is read */
+    uint32_t first_build; /* earlier builds are ignored */
     double rays;
-    double factor; /* by which times and bytes of builds and layouts grow: of a sample, the inverse
-                    * of its share of the primitives */
+    double factor; /* for times and bytes of builds and layouts: bb_ground.factor */
 } bb_image;
 
 typedef struct bb_tried_figures {
     bool measured;
     char reason[256]; /* why not */
-    bb_samples cost;  /* ms of build, layout and rays, by rounds; sample 0 is the warm-up */
-    /* Medians, of all sets the sum; boxes and transfers are in the build's. */
+    bb_samples cost;  /* ms of build, layout and rays by rounds; sample 0 is the warm-up */
+    /* medians; rays are the sum of all sets, the build includes boxes and transfer */
     double build_ms, layout_ms, trace_ms;
     double wrong, checked; /* rays */
-    double unlike;         /* rays that nobody judged, answered otherwise than by another `exact` */
-    double bytes_build, bytes_layout; /* peak of tree and scratch; of the layout */
+    double unlike;         /* unjudged rays whose answer differs from that of another `exact` */
+    double bytes_build, bytes_layout; /* peak of tree and scratch; layout */
     double bytes_tree;
-    double rays; /* of one round, all sets together */
+    double rays; /* of all sets in one round */
     bb_extent extent;
-    const bb_entry *build, *trace; /* the first of its traces; in the results */
+    const bb_entry *build, *trace; /* its first trace; both in the results */
 } bb_tried_figures;
 
 void bb_tried_read(const bb_image *image, const bb_contender *contender, bb_tried_figures *out);
 
-/* Of several kinds, how many are compiled in: "triangles+spheres" are 2. */
+/* Counts kinds: "triangles+spheres" are 2. */
 uint32_t bb_kinds_in(const char *words);
 
-/* A decision of a build or trace as a number; 0 where there is none. */
+/* Returns a decision of a build or trace as a number; 0 without one. */
 double bb_decided_number(const bb_entry *entry, const char *what);
 
 #endif

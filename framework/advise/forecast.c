@@ -1,4 +1,4 @@
-/* Times and memory of heats from those of scouts. */
+/* Predicts times and memory of heats from the scouts'. */
 #include "framework/advise/forecast.h"
 
 #include "framework/advise/turns.h"
@@ -29,8 +29,8 @@ static const bb_tried_figures *scout_of(const bb_entered *scouts, const char *na
     return NULL;
 }
 
-/* What builds, layouts and traces of contenders take; each builder is built once for all its
- * kernels and intersectors. `factor`: 1 for the whole scene, the sample's for the sample. */
+/* Returns the time of builds, layouts and traces. Contenders with the same builder share its build.
+ * `factor`: 1 for the whole scene, else that of the sample. */
 static double ms_of(const bb_advice *advice, const bb_entered *field, const bb_forecast_heat *heat,
                     double factor)
 {
@@ -58,7 +58,7 @@ static double step_ms(const bb_results *document, const char *name)
 
 /* ---- memory ---- */
 
-/* The turns of a first heat: how many, and the most that one takes. */
+/* Returns the number of turns of a first heat. *bytes: the memory of the largest. */
 static uint32_t turns_of(const bb_advice *advice, double *bytes)
 {
     const bb_entered *field = &advice->field;
@@ -94,7 +94,7 @@ bb_takings bb_forecast(const bb_advice *advice, const bb_forecast_heat *heats, u
                             step_ms(document, "compile kernels") +
                             step_ms(document, "compile, allocate, first builds");
     const bb_forecast_heat same = {heats[0].rounds, 1};
-    /* what goes on beside builds, layouts and traces is taken to grow as they do */
+    /* all other work is assumed to grow like builds, layouts and traces */
     const double beside = (scouted->total_ms - compiled) /
                           ms_of(advice, &advice->builders, &same, advice->sample.factor);
     double held, left = 1, ms = 0;

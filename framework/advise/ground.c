@@ -1,10 +1,10 @@
-/* Loading and sampling of the scene. */
+/* Loads and samples the scene. */
 #include "framework/advise/ground.h"
 
 #include "framework/device/device_private.h"
 
-/* Enough that builds on a device are more than their launches, and few enough that the slowest
- * builders take no longer than a second. */
+/* Enough that builds take longer than their launches, and few enough that the slowest builders take
+ * less than a second. */
 static const uint32_t sample_prims = 1 << 16;
 
 static bb_status prepare(bb_device *device, bb_ground *ground)

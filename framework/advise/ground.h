@@ -1,4 +1,4 @@
-/* The scene of an advice, loaded once, and a sample of its primitives for scouts. */
+/* Loads the scene of an advice once, and samples its primitives for scouts. */
 #ifndef BB_GROUND_H
 #define BB_GROUND_H
 

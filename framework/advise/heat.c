@@ -1,4 +1,4 @@
-/* From contenders to comparisons and back. */
+/* Turns contenders into comparisons, and results into figures. */
 #include "framework/advise/heat.h"
 
 #include "framework/advise/turns.h"
@@ -34,7 +34,7 @@ void bb_entered_free(bb_entered *field)
 
 /* ---- turns ---- */
 
-/* The best so far; at first one of the builder that is guessed to be. */
+/* Returns the best contender so far, at first one with the guessed builder. */
 static uint32_t choose_reference(const bb_heat *heat, const bb_entered *field)
 {
     uint32_t reference = bb_race_best(field->racers, field->count);
@@ -55,11 +55,11 @@ typedef struct turn {
     bb_entered *field;
     uint32_t reference;
     bool *in, *done;
-    uint32_t count;     /* of this turn, the reference only in the first one */
-    uint32_t past, all; /* contenders of the turns before, and of all turns */
+    uint32_t count;     /* contenders of this turn; later turns do not count the reference */
+    uint32_t past, all; /* contenders of earlier turns, of all turns */
 } turn;
 
-/* Names of those in the turn, once each. They belong to the contenders. */
+/* Distinct names in the turn, owned by the contenders. */
 typedef struct names {
     char *items[BB_TRIED_MAX];
     uint32_t count;
@@ -70,7 +70,7 @@ static void add_name(names *n, const char *name)
     for (uint32_t i = 0; i < n->count; i++)
         if (strcmp(n->items[i], name) == 0)
             return;
-    if (n->count < BB_TRIED_MAX) /* there are no more in the lists */
+    if (n->count < BB_TRIED_MAX) /* lists have no more */
         n->items[n->count++] = (char *)name;
 }
 
@@ -102,7 +102,7 @@ static bool too_wrong(const bb_tried_figures *f, double limit, bool last)
     return f->unlike > 0 || rate.low > limit || (last && f->wrong > limit * f->checked / 1e6);
 }
 
-/* What the reference cost in the first turn over what it costs in this one. */
+/* Scales a cost by the reference's cost in the first turn over its cost in this turn. */
 static void scale_cost(bb_tried_figures *f, const bb_samples *first, const bb_samples *now)
 {
     for (uint32_t r = 0;
@@ -128,7 +128,7 @@ static void read_contender(const turn *t, const bb_image *image, uint32_t i, con
         racer->state = BB_TOO_WRONG;
 }
 
-/* `first`: number of the turn's first build in the document. */
+/* `first`: the id of the turn's first build. */
 static void read_turn(const turn *t, const bb_results *results, uint32_t first)
 {
     const bb_entry *scene = bb_first(bb_results_section(results, BB_SCENES));

@@ -1,10 +1,9 @@
-/* A heat: contenders measured by one or more ordinary comparisons, "turns", whose trees and layouts
- * fit into memory together.
+/* A heat measures contenders in turns. A turn is an ordinary comparison of contenders whose trees
+ * and layouts fit into memory together.
  *
- * All turns have the reference, the contender that is thought the best, beside the others. Costs of
- * later turns are multiplied, round by round, by the reference's cost in the first turn over its
- * cost in theirs: so two contenders of different turns are compared by what each takes beside the
- * same one, measured next to it.
+ * Each turn also measures the reference, which is probably the fastest contender. Costs of later
+ * turns are scaled round by round by the reference's cost in the first turn over its cost in that
+ * turn. So contenders of different turns are compared by their ratio to the same reference.
  */
 #ifndef BB_HEAT_H
 #define BB_HEAT_H
@@ -12,27 +11,26 @@
 #include "framework/advise/advice.h"
 #include "framework/base/progress.h"
 
-/* How much is measured, and on what. */
+/* The extent of a heat. */
 typedef struct bb_heat {
     uint32_t width, height, max_rays, repeats;
-    bool last; /* the last one: what is above the limit is out, not only what surely is */
+    bool last; /* rates above the limit drop a contender even if they may be chance */
     const bb_ground *ground;
-    const bb_sizes *sizes; /* by which turns are made; NULL: one turn for all */
-    const char *guess;     /* builder of the reference if no costs are known; NULL: any */
-    bb_progress *progress; /* NULL: it is not shown */
-    const char *name;      /* in it */
+    const bb_sizes *sizes; /* for turns; NULL: one turn for all */
+    const char *guess;     /* builder of the reference while costs are unknown; NULL: any */
+    bb_progress *progress; /* NULL: not shown */
+    const char *name;      /* in the progress */
 } bb_heat;
 
-/* Runs those of `field` that are BB_RACING into `results` and sets their costs, figures and states:
- * BB_NOT_RUN for what was not measured, BB_TOO_WRONG for what is wrong more often than the request
- * tolerates (but in the last heat, only where the whole 95 % interval is above that), or, of rays
- * that nobody judged, was answered otherwise than by another `exact` one: of two such, nobody knows
- * which is right, but of judged ones one does. What an interrupt left unmeasured stays as it was.
- * *outcome: the sum of the turns'. */
+/* Measures all contenders that are BB_RACING into `results`, and sets costs, figures and states.
+ * BB_NOT_RUN: it could not be measured. BB_TOO_WRONG: its rate of wrong rays is above the limit (in
+ * early heats: the whole 95 % interval is), or unjudged answers differ from those of another
+ * `exact` contender. Contenders that an interrupt left unmeasured keep their state. *outcome: the
+ * sum over all turns. */
 bb_status bb_heat_run(const bb_advise_request *request, const bb_heat *heat, bb_entered *field,
                       bb_results *results, bb_bench_outcome *outcome);
 
-/* Racers and figures for `count` contenders, which are taken over; all in the race. */
+/* Makes racers and figures for `count` contenders, and takes ownership of `who`. */
 bb_status bb_entered_make(bb_contender *who, uint32_t count, bb_entered *field);
 void bb_entered_free(bb_entered *field);
 

@@ -1,10 +1,10 @@
-/* Comparisons of extents. */
+/* Compares extents. */
 #include "framework/advise/leastness.h"
 
 #include <math.h>
 #include <stddef.h>
 
-/* Steps of 2 %. What has no bytes that are known is more than anything. */
+/* Returns bytes in steps of 2 %. Unknown bytes are more than any. */
 static double step_of(double bytes)
 {
     return bytes > 0 ? floor(log(bytes) / log(1.02)) : (double)INFINITY;

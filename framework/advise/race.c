@@ -1,4 +1,4 @@
-/* Who stays in the race. */
+/* Drops slow racers. */
 #include "framework/advise/race.h"
 
 #include <math.h>
@@ -67,7 +67,7 @@ uint32_t bb_race_drop(bb_racer *racers, uint32_t count, double slack)
         bb_estimate ratio = bb_not_measured;
         if (best != BB_NO_RACER && i != best)
             ratio = bb_race_ratio(&racers[i], &racers[best]);
-        /* NAN: too few rounds */
+        /* ratio.low is NAN for too few rounds */
         if (isfinite(ratio.low) && ratio.least > slack) {
             drop(&racers[i], racers, best);
             continue;

@@ -1,4 +1,4 @@
-/* One setting of the choice at a time, then all of them, as generous as any scene might need. */
+/* Measures the choice with generous settings: one at a time, then all together. */
 #include "framework/advise/savings.h"
 
 #include "framework/base/interrupt.h"
@@ -10,7 +10,7 @@
 
 static const char generous_stack[] = "1024"; /* the largest there is */
 
-/* The specification with one more parameter; false if it has that already. */
+/* Adds a parameter to a specification. Returns false if it has the parameter. */
 static bool with_parameter(const char *text, const char *key, const char *value, char *out,
                            size_t capacity)
 {
@@ -50,12 +50,12 @@ static void add_kernel(bb_advice *advice, const char *what, const char *key, con
     const bb_kernel *kernel;
     if (!with_parameter(own, key, value, text, sizeof text) ||
         bb_kernel_parse(text, &spec, &kernel) != BB_OK)
-        return; /* given by hand, or a kernel without a stack */
+        return; /* the value is given, or the kernel has no stack */
     bb_saving *s = add(advice, what);
     snprintf(s->kernel, sizeof s->kernel, "%s", text);
 }
 
-/* The others together. */
+/* Adds all savings together. */
 static void add_all(bb_advice *advice)
 {
     if (advice->saving_count < 2)
@@ -74,7 +74,7 @@ static void add_all(bb_advice *advice)
     }
 }
 
-/* The other way around: what a choice that is exact costs beside the most careless intersector. */
+/* Adds the reverse: the cost of an exact choice compared with the most careless intersector. */
 static void add_exactness(bb_advice *advice)
 {
     const char *own = advice->field.who[advice->choice].intersector, *careless = NULL;
@@ -86,7 +86,7 @@ static void add_exactness(bb_advice *advice)
     snprintf(s->intersector, sizeof s->intersector, "%s", careless);
 }
 
-/* More milliseconds than the choice takes, round by round. */
+/* Returns the difference to the choice in ms, round by round. */
 static bb_samples more_ms(const bb_racer *a, const bb_racer *choice)
 {
     bb_samples more = {0};
@@ -105,8 +105,8 @@ static void say_setting(const char *what, const bb_tried_figures *f, char *text,
         snprintf(text, capacity, "%u", f->extent.kinds);
 }
 
-/* Entry 0 of the field is the choice, the others are the savings in order. What an interrupt left
- * unmeasured is left out. */
+/* Entry 0 of the field is the choice, the others are the savings in order. Savings that an
+ * interrupt left unmeasured are removed. */
 static void read(bb_advice *advice, const bb_entered *field)
 {
     const bb_tried_figures *choice = &field->figures[0];

@@ -1,4 +1,4 @@
-/* Who scouts, and what that says of the others. */
+/* Chooses scouts, and removes contenders by their results. */
 #include "framework/advise/scouts.h"
 
 #include "framework/advise/heat.h"
@@ -46,7 +46,7 @@ void bb_scouts_judge(bb_entered *scouts, uint32_t kernel_count, bb_scouts_drop *
     drop(scouts->racers, kernel_count, slack);
 }
 
-/* What a scout says of a contender. Those that have the first one's intersector are there for their
+/* Returns whether a scout rules out a contender. Scouts with the first one's intersector stand for
  * kernels. */
 static bool speaks_against(const bb_entered *scouts, uint32_t s, const bb_contender *who)
 {
@@ -91,7 +91,7 @@ uint32_t bb_scouts_keep_builders(const bb_entered *scouts, bb_contender *who, ui
     return kept;
 }
 
-/* NULL: there is no such scout, or it could not run. */
+/* Returns NULL if there is no such scout, or it could not run. */
 static const bb_tried_figures *figures_of(const bb_entered *scouts, const char *kernel,
                                           const char *intersector)
 {
@@ -102,12 +102,12 @@ static const bb_tried_figures *figures_of(const bb_entered *scouts, const char *
     return NULL;
 }
 
-/* By its builder's scout, number `b`. NAN: nothing is foretold. */
+/* Predicts a contender's time from its builder's scout `b`. NAN: no prediction. */
 static double foretold_ms(const bb_entered *scouts, const bb_entered *builders, uint32_t b,
                           const bb_contender *who)
 {
     const char *careful = scouts->who[0].intersector;
-    const char *common = scouts->who[scouts->count - 1].kernel; /* of those with intersectors */
+    const char *common = scouts->who[scouts->count - 1].kernel; /* of the scouts for intersectors */
     const bb_tried_figures *builder = &builders->figures[b];
     const bb_tried_figures *kernel = figures_of(scouts, who->kernel, careful);
     const bb_tried_figures *its = figures_of(scouts, builders->who[b].kernel, careful);

@@ -1,10 +1,10 @@
-/* Sizes of contenders, and which of them fit together. */
+/* Predicts sizes of contenders, and fills turns. */
 #include "framework/advise/turns.h"
 
 #include <math.h>
 #include <string.h>
 
-/* The peak of a build, and the copy of its tree that the harness checks. */
+/* Returns the peak of a build plus the copy that the harness checks. */
 static double build_bytes(const bb_tried_figures *f)
 {
     return f->bytes_build + f->bytes_tree;
@@ -25,7 +25,7 @@ static const char *kernel_of(const bb_contender *who)
     return who->kernel;
 }
 
-/* Of the scouts of this name, else of all, the most. */
+/* Returns the largest size of the scouts of this name, else of all scouts. */
 static double size_of(const bb_sizes *sizes, const char *name,
                       const char *(*name_of)(const bb_contender *who),
                       double (*bytes)(const bb_tried_figures *f))
@@ -53,8 +53,7 @@ double bb_size_of_layout(const bb_sizes *sizes, const char *kernel)
     return size_of(sizes, kernel, kernel_of, layout_bytes);
 }
 
-/* What one more contender takes: its tree, unless another of its builder is in, and likewise its
- * layout. */
+/* Returns the memory that one more contender adds. Contenders share trees and layouts. */
 static double more_bytes(const bb_entered *field, const bb_sizes *sizes, const bool *in, uint32_t i)
 {
     bool built = false, laid_out = false;

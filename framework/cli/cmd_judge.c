@@ -1,5 +1,5 @@
-/* bvhbench judge: classifies the hits of a tracer that is no plug-in, by the oracle and the arbiter
- * of `run`. */
+/* bvhbench judge: classifies the hits of an external tracer with the oracle and arbiter of `run`.
+ */
 #include "framework/base/clock.h"
 #include "framework/base/number.h"
 #include "framework/base/statistics.h"
@@ -20,7 +20,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* A rays file and the answers to it. */
+/* A rays file and its answers. */
 typedef struct ray_set {
     const char *rays_path, *hits_path;
     double mrays_s; /* 0: not given */
@@ -36,7 +36,7 @@ typedef struct job {
     bb_names rays, hits, speeds;
     const char *scene_name, *tracer;
     const char *folder; /* NULL: no results are written */
-    uint32_t by_hand;   /* --verify no: the rays are of no workload */
+    uint32_t by_hand;   /* --verify no: no workload made the rays */
     double max_wrong_ppm;
     double start;
     bb_spec name;
@@ -94,7 +94,7 @@ static bb_status read_options(job *j)
     return j->tracer != NULL ? bb_spec_parse(j->tracer, &j->name) : BB_OK;
 }
 
-/* One ray set twice would be two records of one measurement. */
+/* Refuses a ray set that is given twice, since both would be one record. */
 static bb_status check_new(const job *j, uint32_t set)
 {
     for (uint32_t i = 0; i < set; i++)
@@ -104,8 +104,7 @@ static bb_status check_new(const job *j, uint32_t set)
     return BB_OK;
 }
 
-/* All files are read, and all rays verified, before anything is judged: what is refused shall be
- * refused at once. */
+/* Reads all files and verifies all rays before any hit is judged, so that refusals come at once. */
 static bb_status read_files(job *j)
 {
     BB_TRY(bb_scene_load(j->scene_name, &j->scene));
@@ -136,7 +135,7 @@ static bb_status judge(job *j)
     return BB_OK;
 }
 
-/* ---- what it says ---- */
+/* ---- output ---- */
 
 static void print_first_wrong(const ray_set *set)
 {
@@ -205,7 +204,8 @@ static bb_status add_build(const job *j, bb_results *results)
     return status;
 }
 
-/* The key of what an outside tracer answered; of rays made by hand their hash is all there is. */
+/* Makes the key of an external tracer's answers. Rays made by hand are known by their hash alone.
+ */
 static void name_cell(const job *j, const ray_set *set, char key[BB_CELL_KEY])
 {
     const bb_rays *rays = set->rays;

@@ -1,4 +1,4 @@
-/* bvhbench list: what there is to choose from. */
+/* bvhbench list: lists names that options take. */
 #include "framework/base/json.h"
 #include "framework/base/suggest.h"
 #include "framework/builder/registry.h"
@@ -18,7 +18,7 @@
 
 typedef struct wanted {
     bool json, isa;
-    bb_device_choice device; /* plug-ins alone */
+    bb_device_choice device; /* only its plug-ins are used */
 } wanted;
 
 static const bb_cli_option options[] = {
@@ -29,7 +29,7 @@ static const bb_cli_option options[] = {
     {.name = NULL},
 };
 
-/* Where a list goes: as text, or as JSON if `json` is not NULL. It is printed once it is whole. */
+/* A list as text, or as JSON if `json` is not NULL. It is printed when it is complete. */
 typedef struct output {
     FILE *text;
     bb_json *json;
@@ -125,7 +125,7 @@ static bb_status list_intersectors(output *list)
     return BB_OK;
 }
 
-/* A file of the format, by its first ending. */
+/* Makes the name of a file of the format from its first ending. */
 static void add_format(output *list, const bb_scene_format *format)
 {
     char name[64], summary[256];
@@ -227,7 +227,7 @@ static const struct {
 
 enum { KIND_COUNT = sizeof kinds / sizeof kinds[0] };
 
-/* kernels/isa.tsv in columns. Two passes: how wide each is, then the rows. */
+/* Prints kernels/isa.tsv in columns: the first pass measures widths, the second prints. */
 static void print_isa(void)
 {
     enum { COLUMNS_MAX = 32 };
@@ -265,7 +265,7 @@ static bb_status unknown_kind(const char *kind)
                    bb_suggested(&meant));
 }
 
-/* All lists, or the one that is wanted. */
+/* Prints all lists, or the given one. */
 static bb_status fill(const char *wanted, output *list)
 {
     bool found = false;

@@ -1,4 +1,4 @@
-/* bvhbench merge: shards of a run become that run. */
+/* bvhbench merge: joins the shards of a run. */
 #include "framework/base/file.h"
 #include "framework/cli/earlier.h"
 #include "framework/cli/inputs.h"
@@ -14,11 +14,11 @@
 
 enum { PICTURE_BYTES_MAX = 64 << 20 };
 
-/* A file, and what it says it is part of. */
+/* A result file and its shard. */
 typedef struct part {
     const char *argument;
     bb_results *results;
-    bb_shard shard; /* count 0: a whole run */
+    bb_shard shard; /* its count is 0 for a whole run */
 } part;
 
 typedef struct merging {
@@ -51,7 +51,7 @@ static int by_index(const void *a, const void *b)
     return (x->shard.index > y->shard.index) - (x->shard.index < y->shard.index);
 }
 
-/* They are of as many, and none is there twice. */
+/* Checks that all shards have the same count and none is given twice. */
 static bb_status check_parts(part *parts, uint32_t count)
 {
     qsort(parts, count, sizeof *parts, by_index);
@@ -72,7 +72,7 @@ static bb_status check_parts(part *parts, uint32_t count)
     return BB_OK;
 }
 
-/* Says which are missing; true if any is. */
+/* Reports missing shards. Returns whether any is missing. */
 static bool say_missing(const part *parts, uint32_t count)
 {
     uint32_t wanted = parts[0].shard.count, at = 0, missing = 0;
@@ -91,8 +91,8 @@ static bool say_missing(const part *parts, uint32_t count)
 
 /* ---- the folder ---- */
 
-/* Pictures lie beside their results: only files of a plain name are copied. One that is not there
- * is named in the page. */
+/* Copies pictures that lie beside their results, under a plain file name. The page names those that
+ * are missing. */
 static bb_status copy_pictures(const part *p, const char *folder)
 {
     char path[PATH_MAX];
@@ -135,7 +135,7 @@ static bb_status write_folder(part *parts, uint32_t count, const char *folder)
 
 /* ---- the command ---- */
 
-/* The others into the first. The pictures are copied from where each part's were. */
+/* Joins all parts into the first one, and copies the pictures of each part. */
 static bb_status merge(const bb_cli *cli, merging *m)
 {
     part *parts = m->parts;
@@ -155,7 +155,7 @@ static bb_status merge(const bb_cli *cli, merging *m)
     return m->history != NULL ? bb_output_append(m->history, parts[0].results) : BB_OK;
 }
 
-/* A table is a whole run: only the history can take it. */
+/* A table has no shards, so it can only be appended to a history. */
 static bb_status append_table(const merging *m, const char *path)
 {
     bb_table *table;

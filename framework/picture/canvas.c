@@ -1,5 +1,5 @@
-/* Canvas, text and legend. The font is stb_easy_font's, whose letters are made of rectangles: they
- * are filled as they are, enlarged by whole numbers, so that the strokes stay sharp. */
+/* Canvas, text and legend. Letters of stb_easy_font are rectangles. They are enlarged by whole
+ * numbers, so that strokes stay sharp. */
 #include "framework/picture/canvas.h"
 
 #include "framework/base/memory.h"
@@ -12,7 +12,7 @@
 
 enum {
     TEXT_MAX = 96,
-    QUADS_MAX = 64 * TEXT_MAX, /* no letter of the font has more */
+    QUADS_MAX = 64 * TEXT_MAX, /* at most 64 for a letter */
     LINE = 10,                 /* rows of a line of text, in pixels of the font */
     GAP = 5,                   /* around text */
     PATCH = 8,
@@ -106,8 +106,8 @@ uint32_t bb_legend_width(const bb_legend_item *items, uint32_t count, uint32_t s
     return widest + 2 * GAP * scale;
 }
 
-/* Where the items go: the next line begins where one does not fit into `width`. Draws them unless
- * `canvas` is NULL; returns the height. */
+/* Places the items in lines of at most `width`. Draws them unless `canvas` is NULL. Returns the
+ * height. */
 static uint32_t lay_out(bb_canvas *canvas, uint32_t y, const bb_legend_item *items, uint32_t count,
                         uint32_t scale, uint32_t width)
 {

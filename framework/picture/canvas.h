@@ -1,5 +1,4 @@
-/* A picture with room for words: a canvas, text in a small font, a legend. For labels of pictures,
- * not for typesetting. */
+/* A canvas for labelled pictures: rectangles, text in a small font, a legend. */
 #ifndef BB_CANVAS_H
 #define BB_CANVAS_H
 
@@ -13,35 +12,34 @@ typedef struct bb_canvas {
     uint32_t width, height;
 } bb_canvas;
 
-/* White. *canvas must be zeroed; bb_canvas_free() frees it. */
+/* Makes a white canvas. *canvas must be zeroed; bb_canvas_free() frees it. */
 bb_status bb_canvas_create(uint32_t width, uint32_t height, bb_canvas *canvas);
 void bb_canvas_free(bb_canvas *canvas);
 
-/* Fills a rectangle; what lies outside of the canvas is left out. */
+/* Fills a rectangle, clipped to the canvas. */
 void bb_canvas_fill(bb_canvas *canvas, int64_t x, int64_t y, int64_t width, int64_t height,
                     const float rgb[3]);
 
-/* Pixels per pixel of the font for a picture of that size: its lines are then about 1/30 of the
- * shorter side. */
+/* Returns the font's scale for a picture of this size: a line of text is about 1/30 of the shorter
+ * side. */
 uint32_t bb_text_scale(uint32_t width, uint32_t height);
-/* Size of one line of ASCII text, in pixels. */
+/* Return the size of one line of ASCII text in pixels. */
 uint32_t bb_text_width(const char *text, uint32_t scale);
 uint32_t bb_text_height(uint32_t scale);
-/* One line of ASCII text, dark, its upper left corner at x, y. */
+/* Draws one line of dark ASCII text with its upper left corner at x, y. */
 void bb_canvas_text(bb_canvas *canvas, int64_t x, int64_t y, uint32_t scale, const char *text);
 
-/* Words with a patch of colour before them. */
+/* A text with a patch of colour before it. */
 typedef struct bb_legend_item {
     char text[64];
     const float *rgb; /* NULL: no patch */
 } bb_legend_item;
 
-/* The width that the widest item needs, and the height of all, side by side where they fit into
- * `width`. */
+/* Return the width of the widest item, and the height of all items in lines of `width`. */
 uint32_t bb_legend_width(const bb_legend_item *items, uint32_t count, uint32_t scale);
 uint32_t bb_legend_height(const bb_legend_item *items, uint32_t count, uint32_t scale,
                           uint32_t width);
-/* From row y on, over the canvas's whole width. */
+/* Draws the legend from row y on, as wide as the canvas. */
 void bb_canvas_legend(bb_canvas *canvas, uint32_t y, const bb_legend_item *items, uint32_t count,
                       uint32_t scale);
 

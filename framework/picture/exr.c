@@ -1,4 +1,4 @@
-/* EXR by a module that is loaded at first use. */
+/* Loads the EXR module at first use. */
 #include "framework/picture/exr.h"
 #include "framework/base/beside.h"
 #include "framework/base/file.h"
@@ -17,7 +17,7 @@ typedef struct exr_module {
     __typeof__(bb_exr_compare) *compare;
 } exr_module;
 
-/* Stays loaded: OpenImageIO does not survive being unloaded. */
+/* The module stays loaded, since OpenImageIO cannot be unloaded. */
 static bb_status exr_load(exr_module *module)
 {
     char path[4096];

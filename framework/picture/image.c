@@ -27,7 +27,7 @@ static bool ends_with(const char *path, const char *ending)
 
 /* ---- PNG ---- */
 
-/* NaN gives 0. */
+/* Returns 0 for NaN. */
 static unsigned char encode_srgb(float linear)
 {
     float v = linear > 0.0f ? (linear < 1.0f ? linear : 1.0f) : 0.0f;
@@ -46,7 +46,7 @@ typedef struct sink {
     bb_status status;
 } sink;
 
-/* stb hands over the whole file in one call. */
+/* stb passes the whole file in one call. */
 static void write_png(void *context, void *data, int size)
 {
     sink *target = context;
@@ -134,7 +134,7 @@ bb_status bb_image_read(const char *path, float **rgb, uint32_t *width, uint32_t
 
 /* ---- colours ---- */
 
-/* OKLab to linear sRGB, with the constants of its author. */
+/* Converts OKLab to linear sRGB, with the constants of its author. */
 static void from_oklab(float lightness, float a, float b, float rgb[3])
 {
     float l = lightness + 0.3963377774f * a + 0.2158037573f * b;
@@ -150,8 +150,7 @@ static void from_oklab(float lightness, float a, float b, float rgb[3])
 
 void bb_colour_map(float value, float rgb[3])
 {
-    /* Hue and chroma were chosen so that the whole path lies inside sRGB. NaN gives the lower end.
-     */
+    /* Hue and chroma keep the whole path inside sRGB. NaN gives the lower end. */
     float x = value > 0.0f ? (value < 1.0f ? value : 1.0f) : 0.0f;
     float lightness = 0.26f + 0.66f * x;
     float chroma = 0.095f + 0.08f * x * (2.0f * x - 1.0f) * (2.0f * x - 1.0f);

@@ -7,21 +7,23 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* RGB, row by row from the top, linear 0..1 floats, 3 per pixel. The ending of `path` chooses: .png
- * (sRGB, 8 bit) or .exr (linear, 32-bit float). Written by way of a temporary file. BB_INVALID for
- * another ending, BB_UNSUPPORTED with what to install if the build has no EXR module. */
+/* Writes a picture. `rgb` has 3 linear floats from 0 to 1 per pixel, row by row from the top. The
+ * ending of `path` chooses the format: .png (8-bit sRGB) or .exr (linear 32-bit floats). A
+ * temporary file is written first, then renamed. BB_INVALID: another ending. BB_UNSUPPORTED: the
+ * build has no EXR module; the message says what to install. */
 bb_status bb_image_write(const char *path, const float *rgb, uint32_t width, uint32_t height);
 
-/* Checks, before the work, that a picture can be written to such a `path`: ending, module. */
+/* Checks the ending of `path`, and that the module for it is there. To be called before the work.
+ */
 bb_status bb_image_check(const char *path);
 
-/* By the ending. */
+/* Returns whether `path` ends in .exr. */
 bool bb_image_is_exr(const char *path);
 
-/* Reads a picture back into *rgb (from bb_host_alloc); for tests and later comparisons. */
+/* Reads a picture into *rgb, which is from bb_host_alloc(). */
 bb_status bb_image_read(const char *path, float **rgb, uint32_t *width, uint32_t *height);
 
-/* Colour map (perceptually uniform, readable in grey): value 0..1 to linear RGB. */
+/* Maps a value from 0 to 1 to linear RGB. The map is perceptually uniform and readable in grey. */
 void bb_colour_map(float value, float rgb[3]);
 
 #endif

@@ -74,7 +74,7 @@ bb_status bb_picture_depth(const bb_rays *rays, const bb_hit *hits, float *rgb)
         if (hits[i].prim != BB_NONE && isfinite(hits[i].t))
             sorted[count++] = hits[i].t;
     qsort(sorted, count, sizeof *sorted, compare_floats);
-    /* a few outliers shall not take all the shades */
+    /* the nearest and farthest 1 % share the end shades */
     float low = count > 0 ? sorted[count / 100] : 0;
     float high = count > 0 ? sorted[count - 1 - count / 100] : 1;
     for (uint32_t i = 0; i < rays->count; i++) {
@@ -91,8 +91,8 @@ bb_status bb_picture_depth(const bb_rays *rays, const bb_hit *hits, float *rgb)
 
 enum { STEM_LETTERS = 64 };
 
-/* A part of a file name for each text: letters, digits and dashes of what is behind its last slash;
- * where that is not all of it, with a hash of the whole. */
+/* Makes a part of a file name: letters, digits and dashes behind the text's last slash. If the text
+ * has more than these, a hash of the whole text follows. */
 static void file_stem(const char *text, char stem[STEM_LETTERS + 16])
 {
     const char *slash = strrchr(text, '/'), *from = slash != NULL ? slash + 1 : text;
@@ -147,7 +147,7 @@ bb_status bb_picture_of_view(const bb_scene *scene, bb_oracle *oracle, const bb_
     char scene_stem[STEM_LETTERS + 16], view_stem[STEM_LETTERS + 16], file[256], path[1024];
     file_stem(scene->name, scene_stem);
     file_stem(view->name, view_stem);
-    snprintf(file, sizeof file, "%s_%s.png", scene_stem, view_stem); /* which neither has */
+    snprintf(file, sizeof file, "%s_%s.png", scene_stem, view_stem); /* neither stem has '_' */
     if (snprintf(path, sizeof path, "%s/%s", folder, file) >= (int)sizeof path)
         return bb_fail(BB_INVALID, "the path of the output folder is too long: %.60s...", folder);
     BB_TRY(bb_picture_write(scene, oracle, view, width, height, path));

@@ -1,12 +1,12 @@
-/* Where rays are wrong: their classes as colours over the scene in faint grey, with a legend that
- * counts them. */
+/* Draws the classes of rays as colours over the scene in faint grey, with a legend of their counts.
+ */
 #include "framework/base/memory.h"
 #include "framework/picture/picture.h"
 
 #include <stdio.h>
 #include <string.h>
 
-/* Linear RGB. Light and dark by turns, so that they can be told apart without seeing hues. */
+/* Linear RGB. Light and dark alternate, so that classes differ even without hue. */
 static const float missed_rgb[3] = {0.56f, 0.0f, 0.0f};
 static const float false_rgb[3] = {0.90f, 0.36f, 0.0f};
 static const float wrong_t_rgb[3] = {0.22f, 0.02f, 0.55f};
@@ -39,9 +39,8 @@ static void draw_scene(bb_canvas *canvas, const bb_rays *rays, const float *norm
     }
 }
 
-/* Wrong pixels are drawn with their neighbours, so that a single one can be seen: first the ties,
- * then what is wrong, then each pixel once more in its own colour, so that none is painted over by
- * its neighbour. */
+/* Wrong pixels are drawn with their neighbours, so that single ones are visible: first ties, then
+ * wrong ones, then each pixel in its own colour, so that no neighbour covers it. */
 static void draw_classes(bb_canvas *canvas, const bb_rays *rays, const uint8_t *classes,
                          uint32_t scale)
 {

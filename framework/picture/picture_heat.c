@@ -1,4 +1,4 @@
-/* Tests per ray as a picture, with a bar that says which colour is how many. */
+/* Draws tests per ray, with a colour bar. */
 #include "framework/base/memory.h"
 #include "framework/picture/image.h"
 #include "framework/picture/picture.h"
@@ -18,7 +18,8 @@ static int compare_tests(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The few rays that take far more tests than the rest shall not make the rest look all the same. */
+/* Colours end at a high percentile, so that a few expensive rays do not make all others look alike.
+ */
 static bb_status find_scale(const bb_count *counts, uint32_t count, bb_heat_map *heat)
 {
     uint64_t *tests = malloc(count * sizeof *tests);
@@ -41,7 +42,7 @@ static bb_status find_scale(const bb_count *counts, uint32_t count, bb_heat_map 
     return BB_OK;
 }
 
-/* 1, 2 or 5 times a power of ten, so that at most `most` steps of it reach `top`; whole. */
+/* Returns the smallest whole 1, 2 or 5 times a power of ten of which at most `most` reach `top`. */
 static double nice_step(double top, double most)
 {
     double step = pow(10, floor(log10(fmax(top / most, 1))));
@@ -55,7 +56,7 @@ static double nice_step(double top, double most)
 /* The bar's place on the canvas. */
 typedef struct bar {
     uint32_t scale, x, y, width, height;
-    char top[24]; /* the upper end's label: a + says that colours end there, not the tests */
+    char top[24]; /* label of the upper end; a + means that some rays have more tests */
 } bar;
 
 static bar place_bar(const bb_rays *rays, const bb_heat_map *heat)
@@ -73,7 +74,7 @@ static void draw_label(bb_canvas *canvas, const bar *b, double share, const char
     int64_t y = b->y + (int64_t)lround((1 - share) * b->height);
     int64_t x = b->x + b->width;
     bb_canvas_fill(canvas, x, y - b->scale / 2, TICK * b->scale, b->scale, ink);
-    /* the letters' middle is three and a half of the font's pixels below their upper edge */
+    /* a letter's middle is 3.5 pixels of the font below its upper edge */
     bb_canvas_text(canvas, x + (TICK + 2) * b->scale, y - (int64_t)(7 * b->scale / 2), b->scale,
                    text);
 }
@@ -91,7 +92,7 @@ static void draw_bar(bb_canvas *canvas, const bar *b, const bb_heat_map *heat)
     for (double value = 0; value < heat->top; value += step) {
         char text[24];
         if ((1 - value / heat->top) * b->height < bb_text_height(b->scale))
-            break; /* would touch the uppermost label */
+            break; /* too near the uppermost label */
         snprintf(text, sizeof text, "%.0f", value);
         draw_label(canvas, b, value / heat->top, text);
     }

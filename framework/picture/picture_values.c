@@ -1,4 +1,4 @@
-/* Depth and tests per ray as numbers. */
+/* Fills depth and tests per ray as numbers. */
 #include "framework/picture/picture.h"
 
 void bb_values_depth(const bb_rays *rays, const bb_hit *hits, float miss, float *z)

@@ -1,4 +1,4 @@
-/* The atlas as text. */
+/* Prints the atlas. */
 #include "framework/stress/stress.h"
 
 #include <math.h>
@@ -7,7 +7,7 @@
 
 enum { COLUMNS = 100, INDENT = 27 };
 
-/* Words with commas between them, in lines that begin at INDENT. */
+/* Writes items with commas, in lines that begin at INDENT. */
 typedef struct writer {
     FILE *out;
     int column;
@@ -64,7 +64,7 @@ static void item_of(const bb_threshold *t, const char *name, const bb_point_figu
     snprintf(out, capacity, "%s (%s%s%s)", name, from, much, t->returns ? ", not throughout" : "");
 }
 
-/* Sorted by where they begin to fail: the first comes first. */
+/* Sorted by the value at which they begin to fail. */
 typedef struct entry {
     uint32_t method;
     const bb_threshold *t;
@@ -86,7 +86,7 @@ static uint32_t size_of_part(const bb_stress *s, bb_method_part part)
     return size;
 }
 
-/* Whether the entries from `first` on are all methods of a part, which begin at one value. */
+/* Returns whether the entries from `first` on are all methods of a part, failing from one value. */
 static bool is_whole_part(const bb_stress *s, const entry *entries, uint32_t count, uint32_t first)
 {
     const bb_method_part part = s->request->methods[entries[first].method].part;
@@ -98,7 +98,7 @@ static bool is_whole_part(const bb_stress *s, const entry *entries, uint32_t cou
     return size > 2;
 }
 
-/* "all 9 kernels (from 464, 4.7x to 9.9x)" */
+/* Writes "all 9 kernels (from 464, 4.7x to 9.9x)". */
 static void item_of_part(const bb_stress *s, const entry *entries, uint32_t first, char *out,
                          size_t capacity)
 {
@@ -156,7 +156,7 @@ static bool fails_anyhow(const bb_stress_axis *a, uint32_t m)
     return false;
 }
 
-/* The reason of the first refusal, which is what the user would see. */
+/* Returns the reason of the first refusal; NULL: none. */
 static const char *first_reason(const bb_stress *s, const bb_stress_axis *a)
 {
     for (uint32_t i = 0; i < a->search.probe_count; i++)

@@ -1,4 +1,4 @@
-/* The atlas as a table. */
+/* Puts the atlas into a table. */
 #include "framework/stress/stress.h"
 
 #include "framework/device/run_row.h"
@@ -48,7 +48,7 @@ COLUMN(picture, "picture", "picture", "", "A file beside this one.", TEXT);
 COLUMN(picture_at, "picture_at", "picture at", "", "x of the picture.", NUMBER);
 COLUMN(complete, "complete", "complete", "", "no: the run was interrupted.", TEXT);
 
-/* ---- of a method at a value of an axis: its figures (point_file.c), and ---- */
+/* ---- of a method at a value of an axis, beside its figures (point_file.c) ---- */
 
 COLUMN(x, "x", "x", "", "The value.", NUMBER);
 

@@ -19,7 +19,7 @@ enum { FILE_BYTES_MAX = 1 << 16 };
 typedef struct reader {
     const cJSON *root;
     const char *name; /* of the file */
-    uint32_t seen;    /* members that were asked for and are there */
+    uint32_t seen;    /* number of members read */
 } reader;
 
 static const cJSON *member(reader *r, const char *name)
@@ -29,7 +29,7 @@ static const cJSON *member(reader *r, const char *name)
     return item;
 }
 
-/* `fallback`: what an absent member is; NULL: it must be there. */
+/* `fallback`: the value of an absent member; NULL: the member is needed. */
 static bb_status read_text(reader *r, const char *name, const char *fallback, char *out,
                            size_t capacity)
 {
@@ -230,7 +230,7 @@ void bb_axis_free(bb_axis *axis)
 
 /* ---- values ---- */
 
-/* To three digits, which is what a threshold is worth, and what names of scenes are to have. */
+/* Rounds to three digits, which are enough for thresholds and keep names of scenes short. */
 static double rounded(const bb_axis *axis, double x)
 {
     char digits[32];

@@ -21,13 +21,13 @@ enum {
     DONE = 1,
     GAVE_UP = 2,
     STOPPED = 3,
-    LOOK_MS = 10,         /* between looks at the child */
-    FILE_BYTES = 1 << 28, /* that the child may write into one file */
+    LOOK_MS = 10,         /* between checks of the child */
+    FILE_BYTES = 1 << 28, /* limit of each file that the child writes */
 };
 
 /* Shared by parent and child. NULL: there is no child. */
 static struct page {
-    atomic_uint pieces; /* of work that were done */
+    atomic_uint pieces; /* finished pieces of work */
     atomic_uint
         ended; /* work() returned: DONE, GAVE_UP or STOPPED; what a library exits with is neither */
 } * page;
@@ -38,7 +38,7 @@ void bb_child_alive(void)
         atomic_fetch_add(&page->pieces, 1);
 }
 
-/* Resident memory, in MiB; 0: not known. */
+/* Returns the resident memory in MiB; 0: unknown. */
 static double resident(pid_t child)
 {
     char path[64];
@@ -53,22 +53,22 @@ static double resident(pid_t child)
     return (double)shown * (double)sysconf(_SC_PAGESIZE) / (1 << 20);
 }
 
-/* In a process group of its own: Ctrl-C is for the parent, and killing the group also gets what
- * drivers start. */
+/* Starts a process group, so that Ctrl-C reaches only the parent, and killing the group also kills
+ * processes of drivers. */
 static void be_child(int (*work)(void *user), void *user, int out, pid_t parent)
 {
     const struct rlimit most = {FILE_BYTES, FILE_BYTES};
     setpgid(0, 0);
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     setrlimit(RLIMIT_FSIZE, &most);
-    signal(SIGINT, SIG_DFL); /* it ends by them: half of the work is no result */
+    signal(SIGINT, SIG_DFL); /* signals end the child: half of the work is no result */
     signal(SIGTERM, SIG_DFL);
     signal(SIGHUP, SIG_DFL);
     if (getppid() != parent)
         _exit(1);
     dup2(out, STDOUT_FILENO);
     dup2(out, STDERR_FILENO);
-    setvbuf(stdout, NULL, _IOLBF, 0); /* nobody flushes it when the child ends */
+    setvbuf(stdout, NULL, _IOLBF, 0); /* the child ends without flushing */
     const int returned = work(user);
     atomic_store(&page->ended, returned == 0 ? DONE : returned == BB_STOP_ALL ? STOPPED : GAVE_UP);
     _exit(0);
@@ -83,7 +83,7 @@ static bb_child_end watch(pid_t child, const bb_child_limits *limits, int *statu
     bb_child_end killed = BB_CHILD_DONE;
     for (pid_t ended = 0; (ended = waitpid(child, status, WNOHANG)) != child;) {
         if (ended < 0 && errno != EINTR)
-            break; /* somebody else has waited for it: the page says how it ended */
+            break; /* another thread has waited for it; the page knows how it ended */
         if (killed == BB_CHILD_DONE) {
             if (atomic_load(&page->pieces) != done) {
                 done = atomic_load(&page->pieces);
@@ -97,16 +97,16 @@ static bb_child_end watch(pid_t child, const bb_child_limits *limits, int *statu
                 killed = BB_CHILD_FLOODED;
             if (killed != BB_CHILD_DONE) {
                 kill(-child, SIGKILL);
-                kill(child, SIGKILL); /* before it has a group */
+                kill(child, SIGKILL); /* it may have no group yet */
             }
         }
         nanosleep(&pause, NULL);
     }
-    kill(-child, SIGKILL); /* what it may have left */
+    kill(-child, SIGKILL); /* processes that it left */
     return killed;
 }
 
-/* The last line in the file that is none but an end of line. */
+/* Reads the last line of the file that is not empty. */
 static void read_last_line(int file, char *said, size_t capacity)
 {
     char end[1024];
@@ -152,8 +152,8 @@ static bb_status run_child(int (*work)(void *user), void *user, const bb_child_l
 {
     const pid_t parent = getpid();
     int status = 0;
-    signal(SIGCHLD, SIG_DFL); /* ignored, it leaves no status */
-    fflush(NULL);             /* or the child would write it too */
+    signal(SIGCHLD, SIG_DFL); /* an ignored signal would discard the status */
+    fflush(NULL);             /* the child would write buffered text again */
     const pid_t child = fork();
     if (child < 0)
         return bb_fail(BB_FAILED, "cannot start a process: %s", strerror(errno));

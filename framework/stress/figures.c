@@ -42,7 +42,7 @@ const bb_manner_about bb_manners[BB_MANNERS] = {
     [BB_MANNER_SLOW_BUILD] = {"slow-build", "half the build speed", true, true},
 };
 
-/* NAN where nothing is normal. */
+/* Returns NAN without a normal figure. */
 static double over(double here, double normal)
 {
     return normal > 0 ? here / normal : (double)NAN;

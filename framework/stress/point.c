@@ -9,9 +9,9 @@
 #include <string.h>
 #include <unistd.h>
 
-/* ---- where it is kept ---- */
+/* ---- files ---- */
 
-/* What a scene file has in it. */
+/* Hashes the contents of a scene file. */
 static void add_scene(bb_identity *identity, const bb_points *p, double x)
 {
     char text[2 * BB_AXIS_TEXT];
@@ -19,7 +19,7 @@ static void add_scene(bb_identity *identity, const bb_points *p, double x)
         bb_identity_add_file(identity, text);
 }
 
-/* All that the figures depend on. */
+/* Hashes everything that the figures depend on. */
 static bb_status hash_of(const bb_point_work *work, uint64_t *hash)
 {
     const bb_points *p = work->points;
@@ -53,7 +53,7 @@ static void set_all(const bb_point_work *work, bb_outcome outcome, const char *w
                 continue;
             *f = bb_no_figures(outcome);
             snprintf(f->reason, sizeof f->reason, "%.255s", words);
-            bb_calm_text(f->reason); /* the end of a letter may be cut off */
+            bb_calm_text(f->reason); /* the last letter may be cut off */
         }
 }
 
@@ -65,7 +65,7 @@ static bb_outcome outcome_of(bb_child_end end)
                                      : BB_OUT_FAILED;
 }
 
-/* Sets *died if the process did not live to write its file; work->path is set then. */
+/* Measures in one child. *died: the process ended before it wrote its file. */
 static bb_status run_once(bb_point_work *work, char path[1200], bool *died)
 {
     bb_points *p = work->points;
@@ -99,7 +99,7 @@ static bb_status run_once(bb_point_work *work, char path[1200], bool *died)
     return BB_OK;
 }
 
-/* How many of the wanted methods ended in that way. */
+/* Counts the wanted methods with this outcome. */
 static uint32_t count_outcome(const bb_points *points, const bb_wish *wishes, uint32_t count,
                               bb_outcome outcome)
 {
@@ -112,7 +112,7 @@ static uint32_t count_outcome(const bb_points *points, const bb_wish *wishes, ui
 
 static bb_status run_wishes(bb_points *points, bb_wish *wishes, uint32_t count, bool again);
 
-/* One by one: values if there are several, else methods. */
+/* Measures values one by one if there are several, else methods. */
 static bb_status run_apart(bb_points *points, bb_wish *wishes, uint32_t count, bool again)
 {
     for (uint32_t i = 0; count > 1 && i < count && !bb_interrupted(); i++)
@@ -127,8 +127,8 @@ static bb_status run_apart(bb_points *points, bb_wish *wishes, uint32_t count, b
     return BB_OK;
 }
 
-/* What dies by itself has its verdict, which is kept like any other. What dies only in company
- * leaves a mishap, which is a bug too. */
+/* A method that dies alone gets a verdict, which is kept. A process that dies only with several
+ * methods is a mishap, which is a bug too. */
 static bb_status run_wishes(bb_points *points, bb_wish *wishes, uint32_t count, bool again)
 {
     char path[1200], reason[256];
@@ -175,7 +175,7 @@ int bb_point_child(void *user)
         bb_child_alive();
         (p->axis->frames > 0 ? bb_point_frames : bb_point_bench)(p, device, &work->wishes[i]);
     }
-    /* a device that is lost says nothing of the methods */
+    /* a lost device is no fault of the methods */
     const bool lost = status == BB_OK && bb_device_check(device) != BB_OK;
     if (status == BB_OK && !lost)
         status = bb_point_write(work, device);
@@ -183,6 +183,6 @@ int bb_point_child(void *user)
         fprintf(stderr, "%s\n", bb_message());
     else if (status != BB_OK)
         fprintf(stderr, "bvhbench: %s\n", bb_message());
-    /* the device is left to the end of the process: closing it is not what is measured */
+    /* the device stays open until the process ends, since closing it is not tested */
     return lost ? BB_STOP_ALL : status == BB_OK ? 0 : 1;
 }

@@ -1,5 +1,5 @@
-/* Values of an axis, measured in a process of their own and kept in a file, so that a run that was
- * cut off goes on where it was. */
+/* Measures values of an axis in a child process and keeps them in files, so that an interrupted run
+ * can resume. */
 #ifndef BB_POINT_H
 #define BB_POINT_H
 
@@ -7,8 +7,8 @@
 #include "framework/stress/child.h"
 #include "framework/stress/search.h"
 
-/* What a method is: the part that changes; the other parts are those of the axis, and the first
- * intersector. */
+/* The part that a method varies. Its other parts are those of the axis and the first intersector.
+ */
 typedef enum bb_method_part {
     BB_A_BUILDER,
     BB_A_KERNEL,
@@ -22,11 +22,11 @@ const char *bb_method_part_word(bb_method_part part);
 typedef struct bb_method {
     bb_method_part part;
     const char *text; /* a specification */
-    bool exact;       /* must never be wrong, but where an axis says that nobody promises it */
+    bool exact;       /* must never be wrong, except within documented limits of an axis */
 } bb_method;
 
-/* What traces for a method on an axis, itself included. A reference has no kernel and no
- * intersector: what is said of these is void. */
+/* Sets builder, kernel and intersector of a method on an axis. A reference has only a builder; the
+ * other parts are to be ignored. */
 void bb_method_cell(const bb_axis *axis, const bb_method *method,
                     const char *parts[BB_METHOD_PARTS]);
 
@@ -38,21 +38,21 @@ typedef struct bb_points {
     uint32_t max_rays; /* of each set */
     uint32_t repeats;  /* rounds that count */
     uint64_t seed;
-    bb_child_limits limits; /* the time is that of one value */
-    const char *folder;     /* for the files; must be there */
-    uint64_t identity;      /* hash of the program, its plug-ins and the device asked for: points of
-                           another are not taken over */
+    bb_child_limits limits; /* for one value */
+    const char *folder;     /* of the files; must exist */
+    uint64_t identity;      /* hash of the program, its plug-ins and the device; files of another
+                           identity are ignored */
     bb_status (*open_device)(void *user, bb_device **device); /* called in the child */
     void *user;
     /* out */
     uint32_t measured, taken_over; /* values */
-    char mishap[512]; /* the last process that died with several methods, none of which did so by
-                         itself; "": there was none */
+    char mishap[512]; /* the last process that died with several methods of which none dies alone;
+                         "": none */
     char device[256], driver[256]; /* "": not known yet */
 } bb_points;
 
-/* A bb_measure_fn, with a bb_points as `user`. If the process dies, each value is measured by
- * itself, and if that dies too, each method, to see which it was. */
+/* A bb_measure_fn whose `user` is a bb_points. If the process dies, each value is measured in its
+ * own process, and if that dies too, each method. */
 bb_status bb_point_measure(void *points, bb_wish *wishes, uint32_t count, bool again);
 
 #endif

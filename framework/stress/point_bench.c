@@ -1,4 +1,4 @@
-/* A point measured: its comparison run, and its methods' figures read from the record. */
+/* Measures a point by a comparison, and reads the figures of its methods from the record. */
 #include "framework/stress/point_private.h"
 
 #include "framework/base/steering.h"
@@ -53,7 +53,7 @@ static void add_trace(bb_point_figures *f, const bb_entry *trace, double *tests)
         or_zero(f->overflowed) + or_zero(bb_get_number(trace, BB_F_ACCURACY_OVERFLOWED));
 }
 
-/* What the record has of a method, by bb_bench_request's texts; NULL is any. */
+/* Selects entries of a method by the texts of bb_bench_request; NULL: any. */
 typedef struct row {
     const char *builder, *kernel, *intersector;
 } row;
@@ -90,8 +90,7 @@ static void read_build(const bb_results *results, const char *builder, bb_point_
         f->bytes = bb_get_number(found, BB_F_BUILD_BYTES_NATIVE);
 }
 
-/* Failed before refused before measured before unsupported: what some of the ray sets say counts
- * for all. */
+/* The worst outcome of all ray sets counts: failed, refused, measured, unsupported. */
 static int weight_of(bb_outcome outcome)
 {
     return outcome == BB_OUT_FAILED    ? 3
@@ -100,7 +99,7 @@ static int weight_of(bb_outcome outcome)
                                        : 0;
 }
 
-/* The number of the ray set among those of the request. */
+/* Returns the index of the ray set in the request. */
 static uint32_t set_of(const bb_point_request *request, const bb_entry *trace)
 {
     uint32_t set = 0;
@@ -144,7 +143,7 @@ static void read_method(const bb_results *results, const bb_point_request *reque
     if (bb_is_reference(r.builder))
         r.kernel = r.intersector = NULL;
     read_build(results, r.builder, f);
-    if (method->part != BB_A_BUILDER) /* the tree is not its own */
+    if (method->part != BB_A_BUILDER) /* it does not build the tree */
         f->build_ms = f->bytes = f->metric = NAN;
     if (f->outcome == BB_MEASURED)
         read_traces(results, request, &r, f);

@@ -1,5 +1,4 @@
-/* Figures as rows of a table and back: for the atlas, and for the file of a point, which its child
- * writes. */
+/* Puts figures into rows of a table and reads them back, for the atlas and for files of points. */
 #include "framework/stress/point_private.h"
 #include "framework/stress/stress.h"
 
@@ -64,7 +63,7 @@ void bb_figures_put(bb_table *table, uint32_t row, const bb_point_figures *f)
                             *(const double *)(const void *)((const char *)f + figures[i].offset));
 }
 
-/* False if the row has no outcome. */
+/* Returns false if the row has no outcome. */
 static bool get_figures(const bb_table *table, uint32_t row, bb_point_figures *f)
 {
     const char *word = bb_table_get_text(table, row, outcome.name);

@@ -1,5 +1,5 @@
-/* A point of an axis with frames: the sequence run, and its methods' figures read from the result.
- * Each run has methods that differ in one part: the sum of the methods, not their product. */
+/* Measures a point of an axis with frames by sequences, and reads the figures of its methods. The
+ * methods of a run differ in one part. */
 #include "framework/stress/point_private.h"
 
 #include "framework/animate/animate.h"
@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Methods of one part that go through the frames together. */
+/* Methods of one part that are measured in one run. */
 typedef struct group {
     bb_method_part part;
     uint32_t count;
@@ -19,7 +19,7 @@ typedef struct group {
 
 /* ---- figures of a method ---- */
 
-/* The least of the rounds that count; NAN if there is none. */
+/* Returns the least round that counts; NAN: none. */
 static double least(const bb_animate_result *result, const bb_rounds rounds)
 {
     bb_samples samples = {.count = 0};
@@ -28,7 +28,7 @@ static double least(const bb_animate_result *result, const bb_rounds rounds)
     return bb_samples_least(&samples);
 }
 
-/* The sets that all frames after the first have, as bits. */
+/* Returns the sets that all frames after the first have, as bits. */
 static uint32_t common_sets(const bb_animate_result *result)
 {
     uint32_t sets = 0;
@@ -41,7 +41,8 @@ static uint32_t common_sets(const bb_animate_result *result)
     return sets;
 }
 
-/* Of all frames after the first, which is a build for all; answers are counted in the first too. */
+/* Sums over all frames after the first, in which all methods build. Answers of the first count too.
+ */
 static void read_frames(const bb_animate_result *result, const bb_animate_method *method,
                         uint32_t kernel, bb_point_figures *f)
 {
@@ -52,7 +53,7 @@ static void read_frames(const bb_animate_result *result, const bb_animate_method
         prims += result->states[i].prims;
         update += least(result, frame->update);
         rebuilt += frame->way == BB_REBUILT;
-        tests += (double)frame->traces[kernel].tests; /* of all sets */
+        tests += (double)frame->traces[kernel].tests; /* over all sets */
         for (uint32_t set = 0; set < result->ray_count; set++)
             if (sets >> set & 1) {
                 trace += least(result, frame->traces[kernel].rays[set]);
@@ -98,7 +99,7 @@ static void read_method(const bb_animate_result *result, bb_method_part part, ui
     }
     if (method->done > 0)
         read_answers(method, kernel, f);
-    if (part != BB_A_BUILDER) /* the tree is not its own */
+    if (part != BB_A_BUILDER) /* it does not build the tree */
         f->build_ms = f->bytes = f->rebuilt = NAN;
 }
 

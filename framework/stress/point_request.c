@@ -1,12 +1,12 @@
-/* The comparison that measures a point: builders, kernels, intersectors, each with the other parts
- * of the axis: the sum of the methods, not their product. */
+/* Makes the comparison that measures a point. Each method is combined with the other parts of the
+ * axis only. */
 #include "framework/stress/point_private.h"
 
 #include "traversal/traversal.h"
 
 #include <string.h>
 
-/* A bb_bench_request.takes. */
+/* bb_bench_request.takes */
 static bool takes(const void *user, const char *builder, const char *kernel,
                   const char *intersector)
 {
@@ -23,7 +23,7 @@ static bool takes(const void *user, const char *builder, const char *kernel,
     return false;
 }
 
-/* What the wanted methods have for that part, each once; returns how many. */
+/* Lists the distinct specifications of a part of the wanted methods. Returns their number. */
 static uint32_t list_part(const bb_point_request *request, bb_method_part part, char **list)
 {
     const bb_points *points = request->points;

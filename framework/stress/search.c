@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A value that was looked at a second time, beside the normal one. */
+/* A second measurement of a value beside the normal one. */
 typedef struct second_look {
     double x;
     bool looked[BB_METHODS_MAX];
@@ -30,7 +30,7 @@ static void drop_wishes(state *st)
     st->wish_count = 0;
 }
 
-/* The wish for x, a new one if there is none. */
+/* Returns the wish for x, which is added if missing. */
 static bb_status wish_for(state *st, double x, bb_wish **out)
 {
     const bb_search *s = st->search;
@@ -53,7 +53,7 @@ static bb_status wish_for(state *st, double x, bb_wish **out)
 
 /* ---- probes ---- */
 
-/* The probe at x, a new one in the order of the axis if there is none. */
+/* Returns the probe at x, which is inserted in the order of the axis if missing. */
 static bb_status probe_at(bb_search *s, double x, bb_search_probe **out)
 {
     const bool down = s->axis->from > s->axis->to;
@@ -82,7 +82,7 @@ const bb_point_figures *bb_search_figures(const bb_search *s, double x, uint32_t
     return NULL;
 }
 
-/* Measures the wishes, but for what is known already, and makes probes of them. */
+/* Measures the wishes that are not known yet, and makes probes of all. */
 static bb_status grant(state *st)
 {
     bb_search *s = st->search;
@@ -114,7 +114,7 @@ static bb_status grant(state *st)
     return status;
 }
 
-/* ---- what a time says is asked twice ---- */
+/* ---- second measurements of failures by time ---- */
 
 static second_look *look_at(state *st, double x, bool make)
 {
@@ -137,7 +137,7 @@ static bool first_says(const bb_search *s, uint32_t method, bb_manner manner, do
     return here != NULL && normal != NULL && bb_manner_shows(manner, normal, here);
 }
 
-/* Whether the method seems to fail at x by a time, and was not looked at again yet. */
+/* Returns whether the method seems to fail at x by time, and has no second measurement yet. */
 static bool is_suspect(state *st, uint32_t method, double x)
 {
     const second_look *look = look_at(st, x, false);
@@ -165,7 +165,7 @@ static bb_status keep_looks(state *st)
     return BB_OK;
 }
 
-/* Looks again at all suspects among the values, all of them beside the normal value. */
+/* Measures all suspects again, beside the normal value. */
 static bb_status look_again(state *st, const double *values, uint32_t count)
 {
     bb_search *s = st->search;
@@ -190,8 +190,8 @@ static bb_status look_again(state *st, const double *values, uint32_t count)
     return status;
 }
 
-/* Whether the method fails at x, and how many times the normal figure that is: of what a time
- * tells, the lesser of both looks. */
+/* Returns whether the method fails at x. *ratio: to the normal figure; by time, the lesser of both
+ * measurements. */
 static bool shows(state *st, uint32_t method, bb_manner manner, double x, double *ratio)
 {
     const bb_search *s = st->search;
@@ -228,7 +228,7 @@ static bb_status look_end_to_end(state *st, const double *values, uint32_t count
     return bb_interrupted() ? BB_OK : look_again(st, values, count);
 }
 
-/* Whether the method could fail there in that manner: what compares needs something to compare. */
+/* Returns whether the manner can be judged there. Relative manners need both figures. */
 static bool can_tell(const state *st, uint32_t method, bb_manner manner, double x)
 {
     const bb_search *s = st->search;
@@ -238,7 +238,7 @@ static bool can_tell(const state *st, uint32_t method, bb_manner manner, double 
            (here != NULL && normal != NULL && !isnan(bb_manner_ratio(manner, normal, here)));
 }
 
-/* What all values say so far, also those that were measured for other thresholds. */
+/* Finds the threshold by all values measured so far. */
 static void settle(state *st, uint32_t method, bb_manner manner)
 {
     const bb_search *s = st->search;
@@ -271,7 +271,7 @@ static void settle_all(state *st)
             settle(st, m, (bb_manner)f);
 }
 
-/* The value that halves what is known of a threshold; NAN if nothing is left to halve. */
+/* Returns the value that halves a threshold's interval; NAN: none is left. */
 static double middle_of(const bb_search *s, const bb_threshold *t)
 {
     double middle;
@@ -279,7 +279,7 @@ static double middle_of(const bb_search *s, const bb_threshold *t)
                                                                                            : NAN;
 }
 
-/* One step of all bisections, measured together. *more is false when all are done. */
+/* Measures one step of all bisections together. *more is false when all are done. */
 static bb_status halve(state *st, bool *more)
 {
     bb_search *s = st->search;

@@ -21,7 +21,7 @@ static bb_status measure(void *user, bb_wish *wishes, uint32_t count, bool again
     return bb_point_measure(&w->points, wishes, count, again);
 }
 
-/* How much is measured. */
+/* The extent of a run. */
 static uint32_t max_rays(const bb_stress_request *request)
 {
     return request->quick ? 1024 : 4096;

@@ -1,4 +1,4 @@
-/* What is a bug, not a weak spot. */
+/* Tells bugs from weak spots. */
 #include "framework/stress/stress.h"
 
 static bool is_bug(const bb_stress_axis *a, const bb_method *method, bb_manner manner,
@@ -10,7 +10,7 @@ static bool is_bug(const bb_stress_axis *a, const bb_method *method, bb_manner m
     case BB_MANNER_MEMORY:
     case BB_MANNER_FAILED:
         return true;
-    case BB_MANNER_WRONG: /* a stack that overflowed says so: no silence */
+    case BB_MANNER_WRONG: /* an overflow is reported, so it is no bug */
         return method->exact && a->axis.known[0] == '\0' && !(f->overflowed > 0);
     default:
         return false;
@@ -25,8 +25,8 @@ static void tell(FILE *out, const bb_stress_axis *a, const bb_method *method, do
                 method->text, what, a->axis.name, x, reason[0] != '\0' ? ": " : "", reason);
 }
 
-/* Answers that no judge finds wrong, and that are yet unlike those of another exact cell: told
- * where nothing exact is wrong, since else it is not known whom to blame. */
+/* Reports answers that differ from those of another exact cell though none is judged wrong. If an
+ * exact answer is wrong, it explains the difference. */
 static uint32_t blame_unlike(const bb_stress *s, const bb_stress_axis *a, FILE *out)
 {
     for (uint32_t p = 0; p < a->search.probe_count; p++) {

@@ -1,4 +1,4 @@
-/* Before anything runs: axes, methods and the device are in order. */
+/* Checks axes, methods and the device before anything runs. */
 #include "framework/stress/stress_private.h"
 
 #include "framework/base/identity.h"
@@ -11,11 +11,10 @@
 
 /* ---- axes and methods ---- */
 
-/* In a child: where all is to be normal, there must be a scene. What it dies of is for the atlas to
- * tell. */
+/* Loads the scene of the normal case in a child. If the child dies, the atlas will show it. */
 typedef struct first_scene {
     const char *name;
-    uint32_t frames; /* of the axis */
+    uint32_t frames;
 } first_scene;
 
 static int load_scene(void *user)
@@ -81,7 +80,7 @@ bb_status bb_stress_check(const bb_stress_request *request)
     return BB_OK;
 }
 
-/* ---- the device, and what builders need one for ---- */
+/* ---- the device, and parameters of builders ---- */
 
 static int open_device(void *user)
 {
@@ -111,7 +110,7 @@ bb_status bb_stress_identify(const bb_stress_request *request, uint64_t *hash)
     return bb_identity_end(identity, "stress", hash);
 }
 
-/* Parameters out of range are bad input, and no weak spot. */
+/* Refuses parameters out of range, which are bad input and no weak spot. */
 static int try_builders(void *user)
 {
     const bb_stress_request *request = user;
@@ -128,7 +127,7 @@ static int try_builders(void *user)
     return status != BB_OK;
 }
 
-/* In a child, and what that dies of is for the atlas to tell. */
+/* Runs in a child. If the child dies, the atlas will show it. */
 bb_status bb_stress_check_parameters(const bb_stress_request *request)
 {
     bb_child_report report;

@@ -1,4 +1,4 @@
-/* A picture of each axis: where most methods fail. */
+/* Makes a picture of each axis at the value at which most methods begin to fail. */
 #include "framework/stress/stress_private.h"
 
 #include "framework/base/interrupt.h"
@@ -12,7 +12,7 @@ enum { PICTURE_SIDE = 256 };
 
 typedef struct picture {
     char scene[2 * BB_AXIS_TEXT], path[1200];
-    uint32_t frames; /* of the axis: its last is shown */
+    uint32_t frames; /* the last is shown */
 } picture;
 
 static int make_picture(void *user)
@@ -34,7 +34,7 @@ static int make_picture(void *user)
     return status != BB_OK;
 }
 
-/* The value at which most methods fail for the first time; NAN if none does. */
+/* Returns the value at which most methods begin to fail; NAN: none fails. */
 static double most_failing(const bb_stress_axis *a, uint32_t method_count)
 {
     double best = NAN;

@@ -1,23 +1,22 @@
-/* What the parts of a stress run share. */
+/* Shared by the files of a stress run. */
 #ifndef BB_STRESS_PRIVATE_H
 #define BB_STRESS_PRIVATE_H
 
 #include "framework/stress/stress.h"
 
-/* What is measured of an axis; without folder, identity and device. */
+/* Returns the points of an axis, without folder, identity and device. */
 bb_points bb_stress_points(const bb_stress_request *request, const bb_axis *axis);
 
-/* What the device that is asked for calls itself, hashed together with the request's identity;
- * opened in a child, so that what is wrong with it is said once, before all. BB_INVALID if there is
- * none such. */
+/* Hashes the device's name and driver with the request's identity. A child opens the device, so
+ * that its faults are reported once, before all else. BB_INVALID: there is no such device. */
 bb_status bb_stress_identify(const bb_stress_request *request, uint64_t *identity);
 
-/* Whether builders take their parameters, which some find out on a device only; in a child too.
- * BB_INVALID names the first that does not. */
+/* Checks the parameters of builders in a child, since some need a device for it. BB_INVALID names
+ * the first faulty builder. */
 bb_status bb_stress_check_parameters(const bb_stress_request *request);
 
-/* Makes the picture of the value at which most methods fail for the first time. A scene of which no
- * picture can be made, such as one that is refused, has none. */
+/* Makes a picture at the value at which most methods begin to fail. There is none if the scene
+ * cannot be drawn, such as a refused one. */
 bb_status bb_stress_picture(const bb_stress_request *request, bb_stress_axis *axis);
 
 #endif

@@ -1,4 +1,4 @@
-/* Transfer functions: their text, their table. */
+/* Text and tables of transfer functions. */
 #include "framework/volume/transfer.h"
 
 #include "framework/base/file.h"
@@ -142,7 +142,7 @@ bb_status bb_transfer_load(const char *text, bb_transfer *transfer)
 
 /* ---- table ---- */
 
-/* At `value`, of two points there the second. */
+/* Interpolates at `value`. Of two points there, the second counts. */
 static bb_transfer_point at(const bb_transfer *transfer, double value)
 {
     const bb_transfer_point *points = transfer->points;
@@ -168,7 +168,7 @@ void bb_transfer_table(const bb_transfer *transfer, double voxel, bb_transfer_en
         double left = fmax(1 - point.alpha, BB_TRANSFER_LEAST_LEFT);
         double extinction = -log(left) / voxel;
         table[i] = (bb_transfer_entry){{0}, 0};
-        if (extinction < FLT_MIN) /* devices may flush what is less */
+        if (extinction < FLT_MIN) /* devices may flush denormals */
             continue;
         table[i].extinction = extinction < FLT_MAX ? (float)extinction : FLT_MAX;
         for (int k = 0; k < 3; k++)

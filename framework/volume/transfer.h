@@ -1,9 +1,9 @@
-/* Transfer functions: what is seen of a value.
+/* Transfer functions give each value a colour and an opacity.
  *
- * A text of lines `VALUE ALPHA` or `VALUE ALPHA R G B`, all from 0 to 1, VALUE ascending; linear
- * between them, constant before the first and after the last. Two lines of one VALUE make a step.
- * ALPHA is what one voxel's width absorbs. Lines without a colour take the one of the line before;
- * the first is white.
+ * Their text has lines `VALUE ALPHA` or `VALUE ALPHA R G B`, with numbers from 0 to 1 and VALUE
+ * ascending. The function is linear between lines and constant beyond the first and the last. Two
+ * lines of one VALUE make a step. ALPHA is the opacity of one voxel's width. A line without a
+ * colour has the colour of the line before; the first one is white.
  */
 #ifndef BB_TRANSFER_H
 #define BB_TRANSFER_H
@@ -18,8 +18,7 @@ extern "C" {
 
 enum { BB_TRANSFER_POINTS_MAX = 256 };
 
-/* 1 of a text's ALPHA would absorb all in no length at all: this much is left of the light behind
- * one voxel. */
+/* ALPHA 1 would mean infinite extinction. This transmittance of one voxel is used instead. */
 #define BB_TRANSFER_LEAST_LEFT 0x1p-24
 
 typedef struct bb_transfer_point {
@@ -41,14 +40,14 @@ typedef struct bb_transfer_preset {
 extern const bb_transfer_preset bb_transfer_presets[]; /* ends with name NULL; the first is the
                                                           default */
 
-/* The preset or file that `text` names. BB_INVALID, with the line, for a bad one. */
+/* Loads the preset or file that `text` names. BB_INVALID names the faulty line. */
 bb_status bb_transfer_load(const char *text, bb_transfer *transfer);
 
-/* `what`, such as the file's path, starts messages. */
+/* Messages start with `what`, such as the file's path. */
 bb_status bb_transfer_parse(const char *what, const char *text, bb_transfer *transfer);
 
-/* Its table for voxels of this width, BB_TRANSFER_STEPS entries: what is between two of them is
- * interpolated. Entries are 0 where alpha is. */
+/* Fills the table for voxels of this width: BB_TRANSFER_STEPS entries, which are interpolated.
+ * Entries are 0 where ALPHA is 0. */
 void bb_transfer_table(const bb_transfer *transfer, double voxel, bb_transfer_entry *table);
 
 #ifdef __cplusplus

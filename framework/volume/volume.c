@@ -1,4 +1,4 @@
-/* Volumes: their bricks, what is seen of them. */
+/* Bricks of volumes, and which of them are visible. */
 #include "framework/volume/volume.h"
 
 #include "framework/base/memory.h"
@@ -184,7 +184,7 @@ bb_status bb_volume_make(const char *name, const bb_voxels *voxels, uint32_t sid
     return BB_OK;
 }
 
-/* Voxel (x, y, z), of one of the bricks that have it. */
+/* Reads voxel (x, y, z) from one of the bricks that store it. */
 static size_t place_in_bricks(const bb_volume_grid *grid, const uint32_t voxel[3])
 {
     const uint32_t along = grid->side + 1;
@@ -234,7 +234,7 @@ uint64_t bb_volume_bytes(const bb_volume *volume)
     return volume->brick_count * brick_bytes(volume->grid.side, volume->bytes);
 }
 
-/* ---- what is seen ---- */
+/* ---- visible bricks ---- */
 
 double bb_volume_voxel(const bb_volume *volume)
 {
