@@ -65,8 +65,7 @@ static bb_status make_link(reader *r)
     BB_TRY(status);
     const char *ending = ending_of(start, size);
     if (ending == NULL)
-        return bb_fail(BB_INVALID,
-                       "%s: is no mesh of Gmsh, MEDIT or VTK (legacy): it does not begin as such",
+        return bb_fail(BB_INVALID, "%s: does not begin like a mesh of Gmsh, MEDIT or legacy VTK",
                        r->path);
     if (realpath(r->path, whole) == NULL || stat(whole, &info) != 0)
         return bb_fail(BB_INVALID, "%s: cannot be read: %s", r->path, strerror(errno));
@@ -74,7 +73,7 @@ static bb_status make_link(reader *r)
     snprintf(r->folder, sizeof r->folder, "%.4000s/bvhbench-gmsh-XXXXXX",
              base != NULL && base[0] != '\0' ? base : "/tmp");
     if (mkdtemp(r->folder) == NULL) {
-        bb_fail(BB_INVALID, "%s: no folder for a link to it, %s: %s", r->path, r->folder,
+        bb_fail(BB_INVALID, "%s: cannot make a folder for a link to it, %s: %s", r->path, r->folder,
                 strerror(errno));
         r->folder[0] = '\0';
         return BB_INVALID;
@@ -82,7 +81,7 @@ static bb_status make_link(reader *r)
     snprintf(r->name, sizeof r->name, "%.4060s/mesh%s", r->folder, ending);
     return symlink(whole, r->name) == 0
                ? BB_OK
-               : bb_fail(BB_INVALID, "%s: no link to it: %s", r->path, strerror(errno));
+               : bb_fail(BB_INVALID, "%s: cannot make a link to it: %s", r->path, strerror(errno));
 }
 
 static void remove_link(const reader *r)
@@ -139,7 +138,8 @@ static bb_status start(reader *r)
                        r->path);
     BB_TRY(make_link(r));
     if (pipe2(ends, O_CLOEXEC) != 0)
-        return bb_fail(BB_FAILED, "%s: no pipe to read it by: %s", r->path, strerror(errno));
+        return bb_fail(BB_FAILED, "%s: cannot make a pipe to read it: %s", r->path,
+                       strerror(errno));
     uint64_t limit = bb_host_limit();
     r->until = bb_wall_ms() + 1e3 * SECONDS;
     r->process = fork();
@@ -150,7 +150,8 @@ static bb_status start(reader *r)
     if (r->process > 0)
         return BB_OK;
     close(ends[0]);
-    return bb_fail(BB_FAILED, "%s: no process to read it by: %s", r->path, strerror(errno));
+    return bb_fail(BB_FAILED, "%s: cannot start a process to read it: %s", r->path,
+                   strerror(errno));
 }
 
 static bool read_all(const reader *r, void *to, uint64_t bytes)
@@ -177,18 +178,16 @@ static bool read_all(const reader *r, void *to, uint64_t bytes)
 static bb_status ended(const reader *r, int status)
 {
     if (bb_wall_ms() >= r->until)
-        return bb_fail(BB_INVALID, "%s: Gmsh does not come to an end with it in %d s", r->path,
-                       SECONDS);
+        return bb_fail(BB_INVALID, "%s: Gmsh did not finish reading it in %d s", r->path, SECONDS);
     if (WIFSIGNALED(status))
-        return bb_fail(BB_INVALID,
-                       "%s: Gmsh does not survive it (%s): it is damaged, or no mesh at all",
+        return bb_fail(BB_INVALID, "%s: Gmsh crashed on it (%s): it is damaged, or no mesh",
                        r->path, strsignal(WTERMSIG(status)));
     if (WEXITSTATUS(status) == NOT_STARTED)
         return bb_fail(BB_FAILED,
                        "%s: the program bvhbench-gmsh, or Gmsh's library, cannot be started: build "
                        "again",
                        r->path);
-    return bb_fail(BB_INVALID, "%s: Gmsh ends on it (exit status %d): it is damaged, or no mesh",
+    return bb_fail(BB_INVALID, "%s: Gmsh failed on it (exit status %d): it is damaged, or no mesh",
                    r->path, WEXITSTATUS(status));
 }
 

@@ -6,9 +6,9 @@
 
 static const bb_option options_table[] = {
     {"n", "40", NULL, "number of boards"},
-    {"width", "0.1", NULL, "of a board"},
-    {"length", "1000", NULL, "of a board, at most 1e6 times the distance"},
-    {"distance", "1", NULL, "of the wall from the origin, where the eye is"},
+    {"width", "0.1", NULL, "width of a board"},
+    {"length", "1000", NULL, "length of a board, at most 1e6 times the distance"},
+    {"distance", "1", NULL, "distance from the eye, at the origin, to the wall"},
     BB_PLACEMENT_OPTIONS,
     {0},
 };

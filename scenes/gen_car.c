@@ -8,8 +8,8 @@
 #include <string.h>
 
 static const bb_option options_table[] = {
-    {"room", "interior:n=20000", NULL, "the scene that stays, of triangles; no ',' in it"},
-    {"things", "5", NULL, "how many drive"},
+    {"room", "interior:n=20000", NULL, "scene of triangles that stands still; its name has no ','"},
+    {"things", "5", NULL, "number of moving objects"},
     BB_MOTION_OPTIONS,
     {0},
 };
@@ -53,8 +53,9 @@ static bb_status read_things(const bb_spec *spec, const bb_option *options, uint
 {
     BB_TRY(bb_spec_u64(spec, options, "things", 1, 10000, things));
     BB_TRY(bb_motion_read(spec, options, BB_MOTION_FRAMES, frame, motion));
-    return motion->away == 0 ? BB_OK
-                             : bb_fail(BB_INVALID, "scene car: the room stays: it takes no 'away'");
+    return motion->away == 0
+               ? BB_OK
+               : bb_fail(BB_INVALID, "scene car: the room stands still: leave 'away' out");
 }
 
 static bb_status set_frame(const bb_spec *spec, const bb_option *options, bb_scene *scene,
@@ -75,7 +76,7 @@ static bb_status join(const bb_scene *room, uint32_t things, bb_scene *scene)
     if (room->kinds != BB_TRIANGLES || room->volume != NULL)
         return bb_fail(BB_INVALID, "scene car: %s has other primitives than triangles", room->name);
     if (memcmp(room->bounds.lo, room->bounds.hi, sizeof room->bounds.lo) == 0)
-        return bb_fail(BB_INVALID, "scene car: %s is one point: no room to drive in", room->name);
+        return bb_fail(BB_INVALID, "scene car: %s is one point: take a larger scene", room->name);
     BB_TRY(bb_scene_reserve_mesh(
         scene, room->vertex_count + things * bb_shape_sphere_vertices(TESSELLATION),
         triangles + own));

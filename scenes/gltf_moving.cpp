@@ -107,7 +107,7 @@ void check_target(const char *path, const std::string &what, const json &nodes,
                   const Channel &channel, std::set<std::pair<int, Path>> &taken)
 {
     if (!taken.emplace(channel.node, channel.path).second)
-        fail(BB_INVALID, "%s: %s: moves what another channel moves: one must go", path,
+        fail(BB_INVALID, "%s: %s: moves the same property as another channel: remove one", path,
              what.c_str());
     if (channel.path != Path::weights &&
         nodes[static_cast<size_t>(channel.node)].contains("matrix"))
@@ -126,8 +126,7 @@ void take_channels(const char *path, const json &root, const json &animation, Mo
         const auto target = one.find("target");
         const int sampler = index_in(one, "sampler");
         if (target == one.end() || sampler < 0 || static_cast<size_t>(sampler) >= samplers.size())
-            fail(BB_INVALID, "%s: %s: has no target or no sampler that there is", path,
-                 what.c_str());
+            fail(BB_INVALID, "%s: %s: has no target, or no valid sampler", path, what.c_str());
         Channel channel = {};
         channel.number = number;
         channel.node = index_in(*target, "node");
@@ -145,8 +144,7 @@ void take_channels(const char *path, const json &root, const json &animation, Mo
         out.channels.push_back(channel);
     }
     if (out.channels.empty())
-        fail(BB_INVALID, "%s: %s: names no node that it moves: take another clip", path,
-             out.clip.c_str());
+        fail(BB_INVALID, "%s: %s: moves no node: take another clip", path, out.clip.c_str());
 }
 
 /* Its channels may move any property. */
@@ -173,8 +171,7 @@ std::vector<int> take_sets(const char *path, const std::string &what, const json
         if (found == attributes.end())
             return out;
         if (!found->is_number_unsigned() || found->get<uint64_t>() >= accessors)
-            fail(BB_INVALID, "%s: %s: %s is no accessor that there is", path, what.c_str(),
-                 name.c_str());
+            fail(BB_INVALID, "%s: %s: %s is no valid accessor", path, what.c_str(), name.c_str());
         out.push_back(found->get<int>());
     }
 }

@@ -50,7 +50,7 @@ static bb_status next_line(ply *ply, char text[LINE_BYTES_MAX], char *words[WORD
     for (size_t i = 0; i < length; i++) {
         unsigned char c = (unsigned char)line[i];
         if ((c < ' ' && c != '\t' && c != '\r') || c == 127)
-            return bad_header(ply, "is no text");
+            return bad_header(ply, "is not text");
         text[i] = line[i];
     }
     text[length] = '\0';
@@ -71,7 +71,7 @@ static bb_status take_format(ply *ply, char **words, uint32_t count)
             if (strcmp(words[1], names[i]) == 0)
                 ply->encoding = i;
     if (ply->encoding == PLY_NONE)
-        return bad_header(ply, "is none of format ascii 1.0, format binary_little_endian 1.0, "
+        return bad_header(ply, "must be format ascii 1.0, format binary_little_endian 1.0 or "
                                "format binary_big_endian 1.0");
     return BB_OK;
 }
@@ -81,12 +81,12 @@ static bb_status take_element(ply *ply, char **words, uint32_t count)
     char *end = NULL;
     errno = 0;
     if (count != 3 || !isdigit((unsigned char)words[2][0]))
-        return bad_header(ply, "is no element NAME COUNT");
+        return bad_header(ply, "must be element NAME COUNT");
     unsigned long long rows = strtoull(words[2], &end, 10);
     if (*end != '\0' || errno != 0)
-        return bad_header(ply, "has a count that is no number of rows");
+        return bad_header(ply, "has a bad count of rows");
     if (ply->element_count == PLY_ELEMENTS_MAX)
-        return bad_header(ply, "is one element too many: up to 32 are read");
+        return bad_header(ply, "exceeds the limit of 32 elements");
     ply_element *element = &ply->elements[ply->element_count++];
     *element = (ply_element){.rows = rows,
                              .first = ply->property_count,
@@ -95,7 +95,7 @@ static bb_status take_element(ply *ply, char **words, uint32_t count)
     snprintf(element->name, sizeof element->name, "%s", words[1]);
     for (uint32_t i = 0; i + 1 < ply->element_count; i++)
         if (strcmp(ply->elements[i].name, element->name) == 0)
-            return bad_header(ply, "names an element that there is already");
+            return bad_header(ply, "repeats an element");
     return BB_OK;
 }
 
@@ -113,25 +113,25 @@ static bb_status take_property(ply *ply, char **words, uint32_t count)
 {
     bool is_list = count > 1 && strcmp(words[1], "list") == 0;
     if (count != (is_list ? 5 : 3))
-        return bad_header(ply, "is no property TYPE NAME, property list TYPE TYPE NAME");
+        return bad_header(ply, "must be property TYPE NAME or property list TYPE TYPE NAME");
     if (ply->element_count == 0)
-        return bad_header(ply, "is a property before any element");
+        return bad_header(ply, "is a property before the first element");
     if (ply->property_count == PLY_PROPERTIES_MAX)
-        return bad_header(ply, "is one property too many: up to 512 are read");
+        return bad_header(ply, "exceeds the limit of 512 properties");
     ply_element *element = &ply->elements[ply->element_count - 1];
     ply_property *property = &ply->properties[ply->property_count++];
     property->type = find_type(words[is_list ? 3 : 1]);
     property->count = is_list ? find_type(words[2]) : NULL;
     property->role = find_role(element, words[count - 1], is_list);
     if (property->type == NULL || (is_list && property->count == NULL))
-        return bad_header(ply, "has a type that there is not");
+        return bad_header(ply, "has an unknown type");
     if (is_list && !property->count->is_whole)
-        return bad_header(ply, "counts a list in fractions");
+        return bad_header(ply, "has a list count of no integer type");
     if (property->role == PLY_CORNERS && !property->type->is_whole)
-        return bad_header(ply, "has indices that are no whole numbers");
+        return bad_header(ply, "has indices of no integer type");
     for (uint32_t i = element->first; i + 1 < ply->property_count; i++)
         if (property->role != PLY_OTHER && ply->properties[i].role == property->role)
-            return bad_header(ply, "names a property that there is already");
+            return bad_header(ply, "repeats a property");
     element->properties++;
     const ply_type *first = is_list ? property->count : property->type;
     element->least += ply->encoding == PLY_ASCII ? 1 : first->size;
@@ -143,12 +143,12 @@ static bb_status take_line(ply *ply, char **words, uint32_t count)
     if (strcmp(words[0], "format") == 0)
         return take_format(ply, words, count);
     if (ply->encoding == PLY_NONE)
-        return bad_header(ply, "stands before its format");
+        return bad_header(ply, "comes before the format");
     if (strcmp(words[0], "element") == 0)
         return take_element(ply, words, count);
     if (strcmp(words[0], "property") == 0)
         return take_property(ply, words, count);
-    return bad_header(ply, "is none of format, element, property, comment, obj_info, end_header");
+    return bad_header(ply, "must be format, element, property, comment, obj_info or end_header");
 }
 
 const ply_element *bb_ply_find(const ply *ply, const char *name)
@@ -172,7 +172,7 @@ static bb_status check_header(const ply *ply)
 {
     const ply_element *vertex = bb_ply_find(ply, "vertex"), *face = bb_ply_find(ply, "face");
     if (vertex == NULL || vertex->rows == 0)
-        return bb_fail(BB_INVALID, "%s: has no vertex", ply->path);
+        return bb_fail(BB_INVALID, "%s: has no vertices", ply->path);
     if (!has_role(ply, vertex, PLY_X) || !has_role(ply, vertex, PLY_Y) ||
         !has_role(ply, vertex, PLY_Z))
         return bb_fail(BB_INVALID, "%s: its vertices have no x, y and z", ply->path);

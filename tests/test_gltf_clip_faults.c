@@ -121,7 +121,7 @@ static void clips_that_there_are_not(void **state)
     expect_refused(&sound, "clip=4", BB_INVALID, "no clip '4': take one of 0 Go");
     expect_refused(&sound, "clip=18446744073709551616", BB_INVALID, "no clip '18446744073709551");
     expect_refused(&sound, "clip=two", BB_INVALID, "2 clips are called 'two'");
-    expect_refused(&sound, "clip=1", BB_INVALID, "clip 1: names no node that it moves");
+    expect_refused(&sound, "clip=1", BB_INVALID, "clip 1: moves no node");
     expect_refused(&sound, "frames=9", BB_INVALID, "frames= needs clip=");
     expect_refused(&sound, "clip=0,frames=1", BB_INVALID, "whole number from 2 to 1000000");
     expect_refused(&sound, "clip=", BB_INVALID, "is not key=value");
@@ -142,10 +142,11 @@ static void bad_channels(void **state)
          "or no sampler"},
         {PART(channel), CHANNEL(9, "scale"), "node is 9, but there are 4 nodes"},
         {PART(channel), CHANNEL("0", "scale"), "must be a whole number"},
-        {PART(channel), CHANNEL(1, "pointer"), "names no node that it moves"},
+        {PART(channel), CHANNEL(1, "pointer"), "moves no node"},
         {PART(channel), "{\"sampler\":0,\"target\":{\"node\":1,\"path\":3}}", "not a string"},
         {PART(channel), CHANNEL(2, "scale"), "moves node 2, which has a matrix"},
-        {PART(channel), CHANNEL(1, "scale") "," CHANNEL(1, "scale"), "another channel moves"},
+        {PART(channel), CHANNEL(1, "scale") "," CHANNEL(1, "scale"),
+         "the same property as another channel"},
         {PART(channel), CHANNEL(1, "weights"), "node 1, which has no morph targets"},
         {PART(channel), CHANNEL(1, "rotation"), "must be VEC4"},
         {PART(sampler), "{\"output\":2}", "no input"},

@@ -172,7 +172,7 @@ static void bad_sequences_get_one_line(void **state)
     expect_failure("crowd:share=0.5", BB_INVALID, "share is for kind=shuffle");
     put("point.obj", "v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n");
     snprintf(room, sizeof room, "car:room=%s", test_path("motion", "point.obj"));
-    expect_failure(room, BB_INVALID, "no room to drive in");
+    expect_failure(room, BB_INVALID, "take a larger scene");
 }
 
 /* The frame is to blame, before any builder is looked at. */

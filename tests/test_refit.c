@@ -190,12 +190,12 @@ static void what_cannot_be_refitted_is_refused(void **state)
     tree.nodes[2].skip = 0;
     expect_refusal(&tree, scene, BB_FAILED, "a cycle, or two parents");
     tree.nodes[2].skip = 3;
-    expect_refusal(&tree, scene, BB_FAILED, "a link leads to node 3, there are 3");
+    expect_refusal(&tree, scene, BB_FAILED, "a link leads to node 3 of 3");
     tree.nodes[2].skip = BB_NONE;
     tree.refs[1] = 2 | BB_LAST_BIT;
-    expect_refusal(&tree, scene, BB_FAILED, "leaf 2 names primitive 2, there are 2");
+    expect_refusal(&tree, scene, BB_FAILED, "leaf 2 refers to primitive 2 of 2");
     tree.refs[1] = 1;
-    expect_refusal(&tree, scene, BB_FAILED, "the references of leaf 2 go beyond the last");
+    expect_refusal(&tree, scene, BB_FAILED, "leaf 2 has references beyond the last");
     bb_tree_release(&tree);
     free_scene(scene);
 }

@@ -37,10 +37,10 @@ static bb_status check_leaf(const bb_tree *tree, uint32_t n, uint32_t prim_count
     uint32_t ref = tree->nodes[n].first & BB_INDEX_MASK;
     for (;; ref++) {
         if (ref >= tree->info.ref_count)
-            return bb_fail(BB_FAILED, "refit: the references of leaf %u go beyond the last, %u", n,
+            return bb_fail(BB_FAILED, "refit: leaf %u has references beyond the last, %u", n,
                            tree->info.ref_count);
         if ((tree->refs[ref] & BB_INDEX_MASK) >= prim_count)
-            return bb_fail(BB_FAILED, "refit: leaf %u names primitive %u, there are %u", n,
+            return bb_fail(BB_FAILED, "refit: leaf %u refers to primitive %u of %u", n,
                            tree->refs[ref] & BB_INDEX_MASK, prim_count);
         if ((tree->refs[ref] & BB_LAST_BIT) != 0)
             return BB_OK;
@@ -54,9 +54,10 @@ static bb_status list_nodes(const bb_tree *tree, uint32_t prim_count, uint32_t *
     *count = 0;
     for (uint32_t n = tree->info.root; n != BB_NONE;) {
         if (n >= total)
-            return bb_fail(BB_FAILED, "refit: a link leads to node %u, there are %u", n, total);
+            return bb_fail(BB_FAILED, "refit: a link leads to node %u of %u", n, total);
         if (*count == total)
-            return bb_fail(BB_FAILED, "refit: a cycle, or two parents: node %u is met again", n);
+            return bb_fail(BB_FAILED, "refit: node %u is reached twice: a cycle, or two parents",
+                           n);
         order[(*count)++] = n;
         const bb_node *node = &tree->nodes[n];
         if (bb_node_is_leaf(node))
@@ -71,8 +72,8 @@ bb_status bb_refit(bb_tree *tree, const bb_box *boxes, uint32_t prim_count, uint
     uint32_t count;
     if (tree->duplicated)
         return bb_fail(BB_UNSUPPORTED,
-                       "refit: the tree has duplicated references, whose boxes do not follow from "
-                       "the primitives'");
+                       "refit: the tree has duplicated references, whose boxes cannot be computed "
+                       "from primitives");
     BB_TRY(list_nodes(tree, prim_count, order, &count));
     while (count-- > 0) {
         bb_node *node = &tree->nodes[order[count]];

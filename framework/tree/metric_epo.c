@@ -116,8 +116,7 @@ static bb_status index_leaves(epo *e)
     for (uint32_t i = 0; i < info->ref_count; i++) {
         uint32_t prim = e->tree.refs[i] & BB_INDEX_MASK;
         if (prim >= prims)
-            return bb_fail(BB_FAILED, "reference %u is to primitive %u, there are %u", i, prim,
-                           prims);
+            return bb_fail(BB_FAILED, "reference %u refers to primitive %u of %u", i, prim, prims);
         e->start[prim]++;
     }
     for (uint32_t prim = 0; prim < prims; prim++)
@@ -234,8 +233,8 @@ const bb_metric bb_metric_epo = {
     .title = "EPO",
     .full_title = "end-point overlap",
     .unit = "",
-    .summary = "The mean cost, over random points of the surface, of the nodes that hold the point "
-               "although its primitive is not below them. Measured on request.",
+    .summary = "The mean cost of the nodes that contain a random point of the surface, but not the "
+               "point's primitive. Measured on request.",
     .on_request = true,
     .mixed = 2,
     .sampled = true,

@@ -18,8 +18,8 @@ const bb_metric bb_metric_epo_quick = {
     .title = "EPO~",
     .full_title = "end-point overlap, estimated",
     .unit = "",
-    .summary = "EPO from 65,536 points, fewer where very many boxes overlap: measured of every "
-               "tree. Its interval, in the result file, says how far to trust it.",
+    .summary = "EPO of every tree, estimated from 65,536 points, or fewer if very many boxes "
+               "overlap. The result file has the interval.",
     .mixed = 1,
     .sampled = true,
     .compute = compute,

@@ -52,7 +52,7 @@ static int read_nodes(mesh *m)
     for (size_t i = 0; i < m->node_count; i++)
         m->tag_max = m->nodes[i] > m->tag_max ? m->nodes[i] : m->tag_max;
     if (coordinates != 3 * m->node_count || m->node_count > 0x7FFFFFFF || m->tag_max > 0xFFFFFFFF) {
-        complain(m, "has more nodes, or larger numbers of them, than can be handled", NULL);
+        complain(m, "has too many nodes, or too large node numbers", NULL);
         return 1;
     }
     m->number_of = calloc(m->tag_max + 1, sizeof *m->number_of);
@@ -81,7 +81,7 @@ static int add_tets(mesh *m, int type, size_t nodes)
         for (size_t c = 0; c < 4; c++) {
             size_t tag = corners[nodes * i + c];
             if (tag > m->tag_max) {
-                complain(m, "a tetrahedron has a node that there is not", NULL);
+                complain(m, "a tetrahedron has an unknown node", NULL);
                 return 1;
             }
             m->tets[4 * (m->head.tets + i) + c] = (uint32_t)tag;
@@ -130,7 +130,7 @@ static int number_vertices(mesh *m)
     for (size_t i = 0; i < 4 * m->head.tets; i++) {
         uint32_t number = m->number_of[m->tets[i]];
         if (number < 2) {
-            complain(m, "a tetrahedron has a node that there is not", NULL);
+            complain(m, "a tetrahedron has an unknown node", NULL);
             return 1;
         }
         m->tets[i] = number - 2;
