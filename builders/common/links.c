@@ -38,7 +38,8 @@ bb_status bb_links_finish(bb_tree *tree, uint32_t *depths)
     while (n != BB_NONE) {
         uint32_t from = n;
         if (++met > info->node_count)
-            return bb_fail(BB_FAILED, "links: node %u is reached twice: a cycle, or two parents", n);
+            return bb_fail(BB_FAILED, "links: node %u is reached twice: a cycle, or two parents",
+                           n);
         if (bb_node_is_leaf(&nodes[n])) {
             info->leaf_count++;
             if (depths != NULL && depths[n] > info->depth)
