@@ -137,9 +137,9 @@ static void bad_channels(void **state)
     (void)state;
     static const change changes[] = {
         {PART(channel), "{\"sampler\":0}", "channel 0: has no target"},
-        {PART(channel), "{\"target\":{\"node\":0,\"path\":\"scale\"}}", "or no sampler"},
+        {PART(channel), "{\"target\":{\"node\":0,\"path\":\"scale\"}}", "or no valid sampler"},
         {PART(channel), "{\"sampler\":1,\"target\":{\"node\":0,\"path\":\"scale\"}}",
-         "or no sampler"},
+         "or no valid sampler"},
         {PART(channel), CHANNEL(9, "scale"), "node is 9, but there are 4 nodes"},
         {PART(channel), CHANNEL("0", "scale"), "must be a whole number"},
         {PART(channel), CHANNEL(1, "pointer"), "moves no node"},
@@ -212,7 +212,7 @@ static void bad_skins(void **state)
         {PART(skin), "\"joints\":[1],\"inverseBindMatrices\":15", "joint 0 is not finite"},
         {PART(attributes), "\"POSITION\":0", "has no JOINTS_0 and WEIGHTS_0"},
         {PART(attributes), "\"POSITION\":0,\"JOINTS_0\":5", "1 sets of JOINTS_ and 0 of WEIGHTS_"},
-        {PART(attributes), "\"POSITION\":0,\"JOINTS_0\":5,\"WEIGHTS_0\":-1", "no accessor"},
+        {PART(attributes), "\"POSITION\":0,\"JOINTS_0\":5,\"WEIGHTS_0\":-1", "no valid accessor"},
         {PART(attributes), "\"POSITION\":0,\"JOINTS_0\":6,\"WEIGHTS_0\":6", "JOINTS_0: must be"},
         {PART(attributes), "\"POSITION\":0,\"JOINTS_0\":5,\"WEIGHTS_0\":5", "WEIGHTS_0: must be"},
         {PART(attributes), "\"POSITION\":0,\"JOINTS_0\":5,\"WEIGHTS_0\":3", "2 elements for 3"},
