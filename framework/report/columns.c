@@ -59,7 +59,7 @@ static bb_spread spread_of(const bb_entry *row, bb_field_id low, double *from, d
     return BB_NO_SPREAD;
 }
 
-/* "41.2 [40.1, 43.0]", or "41.2" */
+/* Writes "41.2 [40.1, 43.0]", or "41.2". */
 static bb_spread with_spread(char entry[BB_ENTRY], const bb_medians *c, const bb_entry *row)
 {
     char middle[BB_ENTRY], left[BB_ENTRY], right[BB_ENTRY];

@@ -1,5 +1,5 @@
-/* The page of the atlas: a template into which style, chart library, script, figures and pictures
- * are put. */
+/* Makes the page of the atlas from a template, style, chart library, script, figures and pictures.
+ */
 #include "framework/report/report.h"
 #include "framework/show/template.h"
 
@@ -11,7 +11,7 @@
 /* Embedded at build time. */
 extern const char bb_text_atlas_html[], bb_text_style_css[], bb_text_atlas_js[], bb_text_chart_js[];
 
-/* The pictures of the table as data URIs, by their names: {"point.png":"data:..."}. NULL after
+/* Returns the pictures of the table as data URIs by name: {"point.png":"data:..."}. NULL after
  * bb_fail(). */
 static char *pictures_json(const bb_table *atlas, const char *folder)
 {

@@ -1,6 +1,4 @@
-/* The charts as SVG and PNG: the script is written beside them, and gnuplot, a program of its own,
- * draws it.
- */
+/* Draws the charts as SVG and PNG: gnuplot runs a script, which is written beside them. */
 #include "framework/base/file.h"
 #include "framework/base/steering.h"
 #include "framework/chart/chart_script.h"
@@ -48,8 +46,8 @@ bb_status bb_report_charts_folder(const char *page, char *folder, size_t capacit
     return BB_OK;
 }
 
-/* The start of what gnuplot says, without line breaks; 0-terminated. Reads to the end, so that the
- * writer never waits. */
+/* Reads gnuplot's messages to the end, so that it never waits, and keeps their beginning without
+ * line breaks, 0-terminated. */
 static void read_complaint(int from, char *text, size_t capacity)
 {
     size_t size = 0;
@@ -70,8 +68,8 @@ static void read_complaint(int from, char *text, size_t capacity)
             text[i] = ' ';
 }
 
-/* This process's environment with another locale: the script is in UTF-8, which gnuplot complains
- * of where the locale is not. To be freed, not its strings; NULL without memory. */
+/* Copies the environment with a UTF-8 locale, without which gnuplot complains about the script.
+ * Free the array, not its strings. NULL: no memory. */
 static char **environment_in_utf8(void)
 {
     size_t count = 0, kept = 0;
@@ -88,7 +86,7 @@ static char **environment_in_utf8(void)
     return copy;
 }
 
-/* `gnuplot charts.gp` in `folder`: without the user's own settings, its standard error into
+/* Runs `gnuplot charts.gp` in `folder` without the user's settings. Its standard error goes to
  * `errors`. */
 static int start(const char *folder, int errors, pid_t *child)
 {
@@ -147,7 +145,7 @@ static bool ends_with(const char *text, size_t length, const char *end)
     return length >= size && memcmp(text + length - size, end, size) == 0;
 }
 
-/* gnuplot does not say when a disk is full: a picture that lacks its end is none. */
+/* Checks the end of a picture, since gnuplot does not report a full disk. */
 static bool is_whole(const char *path)
 {
     static const char png_end[] = "IEND\xAE\x42\x60\x82", svg_end[] = "</svg>";
@@ -165,7 +163,7 @@ static bool is_whole(const char *path)
     return whole;
 }
 
-/* Each file of `from` into `to`, or away where `to` is NULL; then `from` itself. */
+/* Moves each file of `from` into `to`, or removes it if `to` is NULL, then removes `from`. */
 static bb_status empty_folder(const char *from, const char *to)
 {
     DIR *entries = opendir(from);
@@ -195,8 +193,8 @@ static bb_status empty_folder(const char *from, const char *to)
     return status;
 }
 
-/* Writes the script and draws in a folder beside, whose files are moved when all are there: what
- * fails leaves what was there before. */
+/* Writes the script and draws in a temporary folder, and moves its files when all are complete. A
+ * failure keeps the earlier charts. */
 static bb_status draw_beside(const char *folder, const char *script, size_t size, bool any)
 {
     char part[PATH_MAX], path[PATH_MAX];

@@ -6,25 +6,24 @@
 #include <string.h>
 
 enum {
-    ROWS_MAX = 100, /* of what is worse, better or changed */
-    KEYS_MAX = 20,  /* of cells in one side only */
+    ROWS_MAX = 100, /* cells that are worse, better or changed */
+    KEYS_MAX = 20,  /* cells on one side only */
 };
 
-/* Where the lines go, and how. */
+/* The output and its form. */
 typedef struct page {
     FILE *out;
     bool github;
 } page;
 
-/* What Markdown could read as a link, an image, a mention, a reference, emphasis, HTML or a
- * formula. */
+/* Letters of links, images, mentions, references, emphasis, HTML and formulas in Markdown. */
 static bool is_markup(const char *text)
 {
     return strpbrk(text, "[]!@*_<>~#&$\\|`") != NULL || strstr(text, "://") != NULL ||
            strstr(text, "www.") != NULL;
 }
 
-/* Within a span of code nothing is markup but what ends it, or a table's cell. */
+/* Letters that end a span of code or a table's cell. */
 static void print_code(const page *p, const char *text)
 {
     char plain[2 * BB_CELL_KEY];
@@ -36,7 +35,7 @@ static void print_code(const page *p, const char *text)
     fputc('`', p->out);
 }
 
-/* Texts of files must not steer a terminal, nor what Markdown makes of them. */
+/* Writes a text of a file so that it steers neither the terminal nor Markdown. */
 static void print_text(const page *p, const char *text)
 {
     if (p->github && is_markup(text))
@@ -45,7 +44,7 @@ static void print_text(const page *p, const char *text)
         bb_print_text(p->out, text, 0);
 }
 
-/* A note of its own, a list item in Markdown. */
+/* Begins a note, which is a list item in Markdown. */
 static void note(const page *p, const char *text)
 {
     fputs(p->github ? "- " : " ", p->out);
@@ -60,7 +59,7 @@ static void note(const page *p, const char *text)
         note(p, note_);                                                                            \
     } while (0)
 
-/* Without parameters that have their defaults; as it stands if it is no key of ours. */
+/* Writes a key without parameters at their defaults. Unknown keys are written unchanged. */
 static void print_key(const page *p, const char *key)
 {
     bb_cell_parts cell;
@@ -87,7 +86,7 @@ static void figure(double value, char *text, size_t capacity)
         snprintf(text, capacity, "%.4g", value);
 }
 
-/* What differs less than four digits show is shown with more. */
+/* Writes both values with four digits, or with more if they would look equal. */
 static void figures(double from, double to, char texts[2][40])
 {
     figure(from, texts[0], sizeof texts[0]);

@@ -1,4 +1,4 @@
-/* The history's page: its records are made here, drawn by page/history.js. */
+/* Makes the records of the history's page, which page/history.js draws. */
 #include "framework/report/report_history.h"
 
 #include "framework/base/file.h"
@@ -53,7 +53,7 @@ static void put_point(bb_json *json, uint32_t at, const bb_measured *cell)
     bb_json_end_object(json);
 }
 
-/* The name leaves out parameters that have their defaults. */
+/* Leaves parameters at their defaults out of the name. */
 static void put_names(bb_json *json, const char *key)
 {
     bb_cell_parts cell;
@@ -95,7 +95,7 @@ static int by_text(const void *a, const void *b)
     return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
 
-/* The keys of all its cells, each once. */
+/* Lists the distinct keys of all cells. */
 static void put_cells(bb_json *json, const bb_trend *trend)
 {
     size_t room = 1, count = 0;
@@ -141,7 +141,7 @@ static void put_machine(bb_json *json, const bb_trend *trend)
     bb_json_end_object(json);
 }
 
-/* From malloc; NULL without memory. */
+/* Returns a text from malloc; NULL: no memory. */
 static char *history_json(const bb_trend *trends, uint32_t count)
 {
     bb_json json = {0};

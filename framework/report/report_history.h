@@ -1,5 +1,4 @@
-/* The page of the history: each cell over the revisions of a machine, one file that works offline.
- */
+/* Shows the history: each cell over the revisions of a machine. */
 #ifndef BB_REPORT_HISTORY_H
 #define BB_REPORT_HISTORY_H
 
@@ -7,10 +6,11 @@
 
 #include <stdio.h>
 
-/* Writes the page. BB_INVALID if there is nothing in the history, or it can't be written. */
+/* Writes the page, one file that works offline. BB_INVALID: the history is empty, or the page
+ * cannot be written. */
 bb_status bb_report_history(const bb_trend *trends, uint32_t count, const char *path);
 
-/* What moved, the latest revision of each machine first, as text. */
+/* Prints moved cells as text, the latest revision of each machine first. */
 bb_status bb_report_history_text(const bb_trend *trends, uint32_t count, FILE *out);
 
 #endif

@@ -1,11 +1,11 @@
-/* The verdict as Markdown, for a wiki, a pull request, a paper's repository. */
+/* Prints the verdict as Markdown. */
 #include "framework/report/report.h"
 #include "framework/summary/summary.h"
 
 #include <math.h>
 #include <string.h>
 
-/* '|' would end a column, and what could be markup is shown as it is. */
+/* Escapes '|', which would end a column, and other markup. */
 static void print_text(FILE *out, const char *text)
 {
     for (; *text != '\0'; text++) {

@@ -1,11 +1,11 @@
-/* The table of how well measures of trees predict what rays take. */
+/* Prints how well measures of trees predict times of rays. */
 #include "framework/report/report_prediction.h"
 #include "framework/report/columns.h"
 #include "framework/summary/prediction.h"
 
 #include <math.h>
 
-/* "4.1 %  0.93" */
+/* Writes "4.1 %  0.93". */
 static void print_fit(FILE *out, double error, double correlation)
 {
     if (isfinite(error))

@@ -1,4 +1,4 @@
-/* Does a tree's cost predict what rays take? As a table on the terminal. */
+/* Prints how well the cost of trees predicts times of rays. */
 #ifndef BB_REPORT_PREDICTION_H
 #define BB_REPORT_PREDICTION_H
 
@@ -6,8 +6,7 @@
 
 #include <stdio.h>
 
-/* A row per kind of rays (framework/summary/prediction.h); nothing where there are too few trees.
- */
+/* Prints a row per kind of rays (framework/summary/prediction.h); nothing with too few trees. */
 bb_status bb_report_predictions(const bb_results *results, FILE *out);
 
 #endif
