@@ -190,7 +190,8 @@ static void the_native_pairing_is_never_left_out(void **state)
 {
     (void)state;
     static bb_bench bench;
-    static bb_entrant entrant;
+    static bb_resident resident;
+    static bb_entrant entrant = {.resident = &resident};
     static const bb_bench_request request = {.intersector_count = 1};
     bb_intersector intersector = bb_intersectors[0];
     bench.request = &request;
@@ -202,11 +203,11 @@ static void the_native_pairing_is_never_left_out(void **state)
     entrant.record.has_tree = true;
     assert_true(bb_bench_takes(&bench, &entrant, 0));
     assert_true(bb_bench_takes(&bench, &entrant, 2));
-    entrant.keeps_shape[1] = true;
+    resident.keeps_shape[1] = true;
     assert_true(bb_bench_takes(&bench, &entrant, 0));
     assert_false(bb_bench_takes(&bench, &entrant, 2));
-    entrant.keeps_shape[1] = false;
-    entrant.keeps_shape[2] = true; /* its own: once made, it is still needed */
+    resident.keeps_shape[1] = false;
+    resident.keeps_shape[2] = true; /* its own: once made, it is still needed */
     assert_true(bb_bench_takes(&bench, &entrant, 2));
     entrant.record.has_tree = false;
     assert_false(bb_bench_takes(&bench, &entrant, 2));

@@ -41,6 +41,27 @@ void bb_bench_shuffle(bb_bench *bench, uint32_t *order, uint32_t count)
     bench->random = bb_random_u64(&random);
 }
 
+bb_status bb_bench_tree(bb_bench *bench, bb_entrant *entrant)
+{
+    if (entrant->resident->built)
+        return BB_OK;
+    bb_step step = bb_bench_begin(bench);
+    bb_status status = bb_resident_tree(&bench->residency, entrant->resident);
+    if (status == BB_OK)
+        entrant->record.cold_ms = entrant->resident->cold_ms;
+    return bb_bench_end(bench, step, "compile, allocate, first builds", status);
+}
+
+bb_status bb_bench_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layout)
+{
+    if (entrant->resident->has_layout[layout])
+        return BB_OK;
+    BB_TRY(bb_bench_tree(bench, entrant));
+    bb_step step = bb_bench_begin(bench);
+    bb_status status = bb_resident_layout(&bench->residency, entrant->resident, layout);
+    return bb_bench_end(bench, step, "layouts", status);
+}
+
 /* Loads each scene once, so that a scene that cannot be loaded is found before hours of work. The
  * first scene is kept. */
 static bb_status try_scenes(bb_bench *bench)
@@ -113,31 +134,10 @@ bool bb_bench_takes(const bb_bench *bench, const bb_entrant *entrant, uint32_t k
     for (uint32_t k = 0; k < bench->kernel_count; k++)
         for (uint32_t i = 0; i < bench->request->intersector_count; i++)
             if (!bench->kernels[k].native_only &&
-                entrant->keeps_shape[bb_bench_layout_of(bench, k, &bench->intersectors[i])])
+                entrant->resident
+                    ->keeps_shape[bb_bench_layout_of(bench, k, &bench->intersectors[i])])
                 return false;
     return entrant->record.has_tree;
-}
-
-/* Finds the layout that the kernel reads, with triangles in `form`, or adds it. */
-static bb_status start_layout(bb_bench *bench, bb_kernel_choice *choice, uint32_t format)
-{
-    const bb_layout *layout = bb_layout_find(choice->kernel->layout);
-    const bb_layout_wish wish = bb_kernel_wish(&choice->spec);
-    for (uint32_t i = 0; i < bench->layout_count; i++) {
-        const bb_layout_choice *l = &bench->layouts[i];
-        if (l->maker.layout == layout && l->format == format && l->leaf == choice->leaf &&
-            bb_layout_wish_is(&l->maker.wish, &wish)) {
-            choice->layouts[format] = i;
-            return BB_OK;
-        }
-    }
-    choice->layouts[format] = bench->layout_count++;
-    bb_layout_choice *wanted = &bench->layouts[choice->layouts[format]];
-    wanted->leaf = choice->leaf;
-    wanted->format = format;
-    BB_TRY(bb_layout_maker_create(layout, bench->device, &wanted->maker));
-    wanted->maker.wish = wish;
-    return BB_OK;
 }
 
 static bb_status start_kernel(bb_bench *bench, const char *text, bool native_only)
@@ -148,8 +148,13 @@ static bb_status start_kernel(bb_bench *bench, const char *text, bool native_onl
     BB_TRY(bb_kernel_group_of(choice->kernel, &choice->spec, bench->device, &group));
     choice->native_only = native_only;
     bench->kernel_count++;
-    for (uint32_t i = 0; i < bench->request->intersector_count; i++)
-        BB_TRY(start_layout(bench, choice, bb_intersector_format(&bench->intersectors[i])));
+    const bb_layout *layout = bb_layout_find(choice->kernel->layout);
+    const bb_layout_wish wish = bb_kernel_wish(&choice->spec);
+    for (uint32_t i = 0; i < bench->request->intersector_count; i++) {
+        const uint32_t format = bb_intersector_format(&bench->intersectors[i]);
+        BB_TRY(bb_residency_layout(&bench->residency, layout, &wish, choice->leaf, format,
+                                   &choice->layouts[format]));
+    }
     return BB_OK;
 }
 
@@ -174,12 +179,6 @@ static bb_status start_intersectors(bb_bench *bench)
     for (uint32_t i = 0; i < request->intersector_count; i++)
         BB_TRY(bb_intersector_parse(request->intersectors[i], &bench->intersectors[i]));
     return BB_OK;
-}
-
-static void end_layouts(bb_bench *bench)
-{
-    for (uint32_t i = 0; i < bench->layout_count; i++)
-        bb_layout_maker_destroy(&bench->layouts[i].maker);
 }
 
 void bb_bench_outcome_add(bb_bench_outcome *sum, const bb_bench_outcome *more)
@@ -225,7 +224,8 @@ bb_status bb_bench_run(const bb_bench_request *request, bb_results *results,
     if (bench == NULL)
         return bb_fail(BB_FAILED, "out of memory");
     bench->request = request;
-    bench->device = request->device;
+    bench->device = bench->residency.device = request->device;
+    bench->residency.seed = request->seed;
     bench->results = results;
     bench->outcome = outcome;
     bench->next_id = bb_results_next_build(results);
@@ -267,7 +267,7 @@ bb_status bb_bench_run(const bb_bench_request *request, bb_results *results,
     bb_buffer_release(&bench->answers);
     bb_buffer_release(&bench->counts);
     bb_buffer_release(&bench->sample);
-    end_layouts(bench);
+    bb_residency_end(&bench->residency);
     free(bench->intersectors);
     bb_tracers_clear(bench->device);
     outcome->times.total_ms = bb_wall_ms() - bench->start;

@@ -43,7 +43,7 @@ static void add_phases(bb_entrant *entrant, const bb_build_step *step)
 static void add_steps(bb_entrant *entrant)
 {
     bb_build_record *record = &entrant->record;
-    const bb_instance *instance = &entrant->instance;
+    const bb_instance *instance = &entrant->resident->instance;
     if (instance->pipeline.count == 1)
         return;
     record->step_count = instance->step_count;
@@ -67,7 +67,7 @@ static bb_status measure_transfer(bb_bench *bench, bb_entrant *entrant)
     bb_step step = bb_bench_begin(bench);
     for (uint32_t i = 0; i <= BB_LAYOUT_REPEATS; i++) {
         double ms;
-        BB_TRY(bb_instance_transfer(&entrant->instance, bench->scene, &ms));
+        BB_TRY(bb_instance_transfer(&entrant->resident->instance, bench->scene, &ms));
         bb_samples_add(&entrant->record.transfer_ms, ms);
     }
     return bb_bench_end(bench, step, "transfers", BB_OK);
@@ -78,7 +78,7 @@ static bb_status measure_transfer(bb_bench *bench, bb_entrant *entrant)
 static bb_status check_tree(bb_bench *bench, bb_entrant *entrant)
 {
     bb_step step = bb_bench_begin(bench);
-    bb_tree *tree = &entrant->instance.tree;
+    bb_tree *tree = &entrant->resident->instance.tree;
     BB_TRY(bb_tree_download(tree, NULL));
     BB_TRY(bb_tree_check(tree, bench->scene));
     return bb_bench_end(bench, step, "check trees, SAH", BB_OK);
@@ -87,7 +87,7 @@ static bb_status check_tree(bb_bench *bench, bb_entrant *entrant)
 static void record_timing(bb_bench *bench, bb_entrant *entrant, const bb_build_timing *timing)
 {
     bb_build_record *record = &entrant->record;
-    const bb_instance *instance = &entrant->instance;
+    const bb_instance *instance = &entrant->resident->instance;
     uint32_t inputs = bb_instance_inputs(instance);
     bb_samples_add(&record->build_ms, timing->timing.ms);
     bb_samples_add(&record->event_ms, timing->timing.event_ms);
@@ -107,13 +107,13 @@ static void record_timing(bb_bench *bench, bb_entrant *entrant, const bb_build_t
 
 static bb_status timed_build(bb_bench *bench, bb_entrant *entrant, bool exact)
 {
-    BB_TRY(bb_resident_tree(bench, entrant));
+    BB_TRY(bb_bench_tree(bench, entrant));
     bb_build_timing timing;
-    bb_instance *instance = &entrant->instance;
+    bb_instance *instance = &entrant->resident->instance;
     bb_step step = bb_bench_begin(bench);
     bb_account_mark(&instance->account);
     BB_TRY(bb_instance_build(instance, bench->scene, exact, &timing));
-    bb_resident_note(bench);
+    bb_residency_note(&bench->residency);
     bb_audit_build(&bench->outcome->audit, bench->scene->name, instance);
     if (!exact) {
         bench->outcome->times.build_ms += timing.timing.ms;
@@ -147,8 +147,9 @@ static bb_status measure_metrics(bb_bench *bench, bb_entrant *entrant, bool on_r
             (bench->request->lean && metric->sampled))
             continue;
         bb_step step = bb_bench_begin(bench);
-        BB_TRY(bb_metric_compute(metric, &entrant->instance.tree, bench->scene, METRIC_SAMPLES,
-                                 bench->request->seed, &entrant->record.metrics[i]));
+        BB_TRY(bb_metric_compute(metric, &entrant->resident->instance.tree, bench->scene,
+                                 METRIC_SAMPLES, bench->request->seed,
+                                 &entrant->record.metrics[i]));
         if (on_request || metric->sampled)
             BB_TRY(bb_bench_end(bench, step, metric->title, BB_OK));
     }
@@ -165,7 +166,7 @@ static double sah_of_tree(const bb_entrant *entrant)
 static bb_status measure_stages(bb_entrant *entrant)
 {
     bb_build_record *record = &entrant->record;
-    bb_instance *instance = &entrant->instance;
+    bb_instance *instance = &entrant->resident->instance;
     for (uint32_t i = 0; i < record->step_count; i++) {
         const uint32_t stage = instance->steps[i].stage;
         if (stage + 1 == instance->pipeline.count)
@@ -183,18 +184,19 @@ static bb_status measure_stages(bb_entrant *entrant)
 static bb_status measure_tree(bb_bench *bench, bb_entrant *entrant)
 {
     bb_build_record *record = &entrant->record;
-    bb_tree *tree = &entrant->instance.tree;
+    bb_tree *tree = &entrant->resident->instance.tree;
     bb_step step = bb_bench_begin(bench);
     BB_TRY(bb_tree_download(tree, NULL));
     BB_TRY(bb_tree_check(tree, bench->scene));
+    bb_resident_note_checked(entrant->resident);
     record->has_tree = true;
     record->tree = tree->info;
     record->bytes_tree = bb_tree_bytes(tree);
     BB_TRY(measure_metrics(bench, entrant, false));
     BB_TRY(measure_stages(entrant));
-    BB_TRY(bb_instance_describe(&entrant->instance, bench->scene, record->about,
+    BB_TRY(bb_instance_describe(&entrant->resident->instance, bench->scene, record->about,
                                 sizeof record->about));
-    bb_instance_decisions(&entrant->instance, bench->scene, &record->decisions);
+    bb_instance_decisions(&entrant->resident->instance, bench->scene, &record->decisions);
     BB_TRY(bb_bench_end(bench, step, "check trees, SAH", BB_OK));
     return bb_bench_owns_builds(bench) ? measure_metrics(bench, entrant, true) : BB_OK;
 }
@@ -206,7 +208,7 @@ static void note_failure(bb_entrant *entrant, bb_status status)
         return;
     entrant->record.status = status;
     snprintf(entrant->record.reason, sizeof entrant->record.reason, "%s", bb_message());
-    bb_resident_evict(entrant);
+    bb_resident_evict(entrant->resident);
 }
 
 /* Builds the reference row's tree. Its first build, on fresh memory, is its cold one, as for
@@ -257,7 +259,7 @@ static void finish_phases(bb_entrant *entrant)
 static bb_status measure_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layout)
 {
     bb_build_record *record = &entrant->record;
-    const bb_layout_data *data = &entrant->layouts[layout];
+    const bb_layout_data *data = &entrant->resident->layouts[layout];
     for (uint32_t k = 0; k < record->layout_count; k++)
         if (strcmp(record->layouts[k].name, data->name) == 0)
             return BB_OK;
@@ -271,7 +273,7 @@ static bb_status measure_layout(bb_bench *bench, bb_entrant *entrant, uint32_t l
     bb_samples_add(&record->layouts[k].ms, data->timing.ms);
     for (uint32_t i = 0; i < BB_LAYOUT_REPEATS; i++) {
         char what[256];
-        BB_TRY(bb_resident_layout_again(bench, entrant, layout));
+        BB_TRY(bb_resident_layout_again(&bench->residency, entrant->resident, layout));
         bb_samples_add(&record->layouts[k].ms, data->timing.ms);
         snprintf(what, sizeof what, "layout %s of %.100s by %.100s", data->name, bench->scene->name,
                  entrant->text);
@@ -293,7 +295,7 @@ static bool wants_layout(const bb_bench *bench, const bb_entrant *entrant, uint3
 }
 
 /* Measures the layouts. A refused layout is a failure of the trace, not of the build:
- * bb_resident_layout() reports it again. */
+ * bb_bench_layout() reports it again. */
 static void measure_layouts(bb_bench *bench, bb_entrant *entrant)
 {
     for (uint32_t k = 0; k < bench->kernel_count; k++)
@@ -302,7 +304,7 @@ static void measure_layouts(bb_bench *bench, bb_entrant *entrant)
             if (!wants_layout(bench, entrant, k, i))
                 continue;
             uint32_t layout = bb_bench_layout_of(bench, k, &bench->intersectors[i]);
-            bb_status status = bb_resident_layout(bench, entrant, layout);
+            bb_status status = bb_bench_layout(bench, entrant, layout);
             bb_step step = bb_bench_begin(bench);
             if (status == BB_OK)
                 status = measure_layout(bench, entrant, layout);
@@ -337,9 +339,10 @@ static bb_status warm_once(bb_bench *bench, bb_entrant *entrant, double *ms)
     bb_build_timing timing;
     if (entrant->reference || bb_pipeline_on_device(&entrant->pipeline) == 0)
         return BB_OK;
-    BB_TRY(bb_resident_tree(bench, entrant));
+    BB_TRY(bb_bench_tree(bench, entrant));
     bb_step step = bb_bench_begin(bench);
-    bb_status status = bb_instance_build(&entrant->instance, bench->scene, false, &timing);
+    bb_status status =
+        bb_instance_build(&entrant->resident->instance, bench->scene, false, &timing);
     *ms += status == BB_OK ? timing.timing.ms : 0;
     return bb_bench_end(bench, step, "warming up", status);
 }
@@ -391,7 +394,7 @@ bb_status bb_bench_builds(bb_bench *bench)
         if (entrant->record.status != BB_OK || entrant->reference || bb_interrupted())
             continue;
         finish_phases(entrant);
-        bb_status status = bb_resident_tree(bench, entrant);
+        bb_status status = bb_bench_tree(bench, entrant);
         if (status == BB_OK && own)
             status = measure_transfer(bench, entrant);
         if (status == BB_OK)

@@ -1,4 +1,4 @@
-/* Shared by the files of the comparison: bench.c, resident.c, and above them bench_builds.c and
+/* Shared by the files of the comparison: bench.c, and above it bench_builds.c and
  * bench_traces.c. */
 #ifndef BB_BENCH_PRIVATE_H
 #define BB_BENCH_PRIVATE_H
@@ -10,6 +10,7 @@
 #include "framework/embree/embree.h"
 #include "framework/judge/judge.h"
 #include "framework/measure/launches.h"
+#include "framework/measure/resident.h"
 #include "framework/rays/rays.h"
 #include "framework/workload/workload.h"
 #include "traversal/traversal.h"
@@ -29,19 +30,11 @@ typedef struct bb_kernel_choice {
     const bb_kernel *kernel;
     bb_spec spec;
     uint32_t leaf;
-    /* for each format of triangles, the index in bb_bench.layouts of what it reads */
+    /* for each format of triangles, the index in bb_bench.residency.layouts of what it reads */
     uint32_t layouts[BB_FORMAT_COUNT];
     bool noted, capped; /* notes that the user has been given */
     bool native_only;   /* not asked for; only for trees whose shape no requested kernel keeps */
 } bb_kernel_choice;
-
-/* A layout of leaves with up to `leaf` references and triangles in one form; all kernels and
- * intersectors that read it share it. */
-typedef struct bb_layout_choice {
-    bb_layout_maker maker;
-    uint32_t leaf;
-    uint32_t format; /* BB_FORMAT_... */
-} bb_layout_choice;
 
 /* A builder on the current scene: what it has in memory now, and its record. */
 typedef struct bb_entrant {
@@ -49,14 +42,8 @@ typedef struct bb_entrant {
     bool reference;
     bb_spec spec;         /* of a single builder or a reference; of a pipeline only the text */
     bb_pipeline pipeline; /* of a builder */
-    bb_instance instance; /* alive while instance.pipeline.count > 0 */
-    bool built;           /* instance.tree holds a tree */
-    bool compiled;        /* its kernels have run before */
-    bb_layout_data layouts[BB_LAYOUTS_MAX];
-    bool has_layout[BB_LAYOUTS_MAX];
-    bool keeps_shape
-        [BB_LAYOUTS_MAX]; /* the layout has the shape of the tree; known once it was made */
-    bb_embree *embree;    /* of a reference row */
+    bb_resident *resident;
+    bb_embree *embree; /* of a reference row */
     bb_build_record record;
     bb_samples phase_samples[BB_RECORD_PHASES_MAX];
 } bb_entrant;
@@ -83,8 +70,7 @@ typedef struct bb_bench {
     bb_kernel_choice kernels[BB_KERNELS_MAX];
     uint32_t kernel_count;
     bb_intersector *intersectors; /* as many as were asked for */
-    bb_layout_choice layouts[BB_LAYOUTS_MAX];
-    uint32_t layout_count;
+    bb_residency residency;       /* of the current scene: an item for each entrant */
     bb_entrant *entrants;
     uint32_t entrant_count;
     bool *built;          /* for each requested builder: it has built some scene */
@@ -170,25 +156,9 @@ bool bb_bench_owns_builds(const bb_bench *bench);
 /* Measures all cells of one ray set, interleaved, and adds their records. */
 bb_status bb_bench_traces(bb_bench *bench, bb_rays *rays);
 
-/* ---- what is on the device (resident.c) ---- */
+/* ---- what is on the device (framework/measure/resident.h), with its steps booked ---- */
 
-/* Makes sure that the entrant's tree exists. Only the first, cold build is timed. If the tree does
- * not fit beside the others, they are evicted. */
-bb_status bb_resident_tree(bb_bench *bench, bb_entrant *entrant);
-
-/* Makes sure that layout `layout` of the entrant is on the device. If memory is short, other
- * entrants are evicted, and trees are built again, untimed. BB_FAILED if a tree that was built
- * again has another shape than the recorded one. */
-bb_status bb_resident_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layout);
-
-/* Makes an existing layout again in its place. After a failure the layout is gone. */
-bb_status bb_resident_layout_again(bb_bench *bench, bb_entrant *entrant, uint32_t layout);
-
-/* Raises outcome->bytes_held to what all entrants hold now or held since their accounts were
- * marked. */
-void bb_resident_note(bb_bench *bench);
-
-/* Frees the entrant's trees and layouts. Its record stays. */
-void bb_resident_evict(bb_entrant *entrant);
+bb_status bb_bench_tree(bb_bench *bench, bb_entrant *entrant);
+bb_status bb_bench_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layout);
 
 #endif

@@ -80,6 +80,8 @@ static void start_pipeline(bb_entrant *entrant, const char *text)
 static void start_entrant(bb_bench *bench, bb_entrant *entrant, const char *text)
 {
     entrant->text = text;
+    entrant->resident = &bench->residency.items[bench->residency.count++];
+    *entrant->resident = (bb_resident){.text = text, .scene = bench->scene};
     entrant->reference = bb_is_reference(text);
     bb_build_record *record = &entrant->record;
     bb_build_record_init(record);
@@ -102,7 +104,8 @@ static bb_status start_entrants(bb_bench *bench)
 {
     const bb_bench_request *request = bench->request;
     bench->entrants = calloc(request->builder_count, sizeof *bench->entrants);
-    if (bench->entrants == NULL)
+    bench->residency.items = calloc(request->builder_count, sizeof *bench->residency.items);
+    if (bench->entrants == NULL || bench->residency.items == NULL)
         return bb_fail(BB_FAILED, "out of memory");
     bench->entrant_count = 0;
     for (uint32_t i = 0; i < request->builder_count; i++) {
@@ -222,11 +225,15 @@ static bb_status make_pictures(bb_bench *bench)
 
 static void end_scene(bb_bench *bench)
 {
+    bench->outcome->bytes_held = bench->residency.bytes_held;
     bb_step step = bb_bench_begin(bench);
     for (uint32_t i = 0; i < bench->entrant_count; i++) {
-        bb_resident_evict(&bench->entrants[i]);
+        bb_resident_evict(bench->entrants[i].resident);
         bb_embree_destroy(bench->entrants[i].embree);
     }
+    free(bench->residency.items);
+    bench->residency.items = NULL;
+    bench->residency.count = 0;
     free(bench->entrants);
     bench->entrants = NULL;
     bench->entrant_count = 0;

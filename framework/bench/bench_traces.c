@@ -49,7 +49,7 @@ static bb_pass pass_of(const trace_set *set, const cell *c)
 {
     return (bb_pass){.query = set->rays->query,
                      .tracer = c->tracer,
-                     .layout = &c->entrant->layouts[c->layout],
+                     .layout = &c->entrant->resident->layouts[c->layout],
                      .rays = &set->bench->rays,
                      .results = &set->bench->answers};
 }
@@ -124,7 +124,7 @@ static bb_status trace_once(trace_set *set, cell *c, bb_timing *timing)
     bool reference = c->entrant->reference;
     *timing = (bb_timing){0};
     if (!reference)
-        BB_TRY(bb_resident_layout(set->bench, c->entrant, c->layout));
+        BB_TRY(bb_bench_layout(set->bench, c->entrant, c->layout));
     bb_step step = bb_bench_begin(set->bench);
     const bb_pass pass = pass_of(set, c);
     uint64_t timed = 0, before = reference ? 0 : bb_tracer_launched(c->tracer);
@@ -208,8 +208,8 @@ static bb_status prepare_cell(trace_set *set, cell *c)
     bb_bench *bench = set->bench;
     if (c->entrant->reference)
         return BB_OK;
-    BB_TRY(bb_resident_layout(bench, c->entrant, c->layout));
-    const bb_layout_data *layout = &c->entrant->layouts[c->layout];
+    BB_TRY(bb_bench_layout(bench, c->entrant, c->layout));
+    const bb_layout_data *layout = &c->entrant->resident->layouts[c->layout];
     bb_tracer_request request = tracer_request(set, c);
     bb_step step = bb_bench_begin(bench);
     BB_TRY(bb_tracer_get(bench->device, &request, layout, &c->tracer));
@@ -310,11 +310,12 @@ static bb_status count_tests(trace_set *set, cell *c)
     if (c->entrant->reference || bench->request->lean)
         return BB_OK;
     bb_step step = bb_bench_begin(bench);
-    BB_TRY(bb_resident_layout(bench, c->entrant, c->layout));
+    BB_TRY(bb_bench_layout(bench, c->entrant, c->layout));
     bb_tracer_request request = tracer_request(set, c);
     request.counting = true;
     bb_tracer *tracer;
-    BB_TRY(bb_tracer_get(bench->device, &request, &c->entrant->layouts[c->layout], &tracer));
+    BB_TRY(
+        bb_tracer_get(bench->device, &request, &c->entrant->resident->layouts[c->layout], &tracer));
     /* brute force tests all primitives with each ray: a few rays are enough */
     uint32_t most = c->entrant->record.tree.node_count == 1 ? 64 : BB_COUNTED_RAYS;
     uint32_t count = c->count < most ? c->count : most;

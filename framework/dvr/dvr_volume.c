@@ -4,27 +4,17 @@
 
 #include <xxhash.h>
 
-static bb_status make(void *self, const char *text, bb_tree *tree, bb_contest_runner *runner)
+static bb_status compile(void *self, const bb_kernel *kernel, const bb_spec *spec,
+                         bb_contest_runner *runner)
 {
     const bb_dvr *dvr = self;
-    const bb_kernel *kernel;
-    bb_spec spec;
-    uint64_t leaf;
-    BB_TRY(bb_kernel_parse(text, &spec, &kernel));
-    BB_TRY(bb_spec_u64(&spec, bb_kernel_common_options, "leaf", 1, BB_LEAF_MAX, &leaf));
-    runner->leaf = (uint32_t)leaf;
-    BB_TRY(bb_layout_maker_create(bb_layout_find(kernel->layout), dvr->device, &runner->makers[0]));
-    runner->makers[0].wish = bb_kernel_wish(&spec);
-    BB_TRY(bb_layout_maker_make(&runner->makers[0], dvr->scene, tree, runner->leaf,
-                                BB_FORMAT_VERTICES, &runner->layouts[0]));
     for (int counting = 0; counting < 2; counting++) {
         bb_tracer_request request = {.kernel = kernel,
-                                     .spec = &spec,
+                                     .spec = spec,
                                      .intersector = &bb_intersectors[0],
                                      .counting = counting != 0};
         bb_march_tracer_request(dvr->marcher, &request);
-        BB_TRY(
-            bb_tracer_get(dvr->device, &request, &runner->layouts[0], &runner->tracers[counting]));
+        BB_TRY(bb_tracer_get(dvr->device, &request, runner->data[0], &runner->tracers[counting]));
     }
     return BB_OK;
 }
@@ -42,7 +32,7 @@ static bb_status ask(void *self, const bb_contest_runner *runner, bb_contest_ans
         return bb_march_all(dvr->marcher, &dvr->rays.on_device, dvr->pixels, answers.items,
                             answers.counts);
     bb_pass pass = {.tracer = runner->tracers[counting],
-                    .layout = &runner->layouts[0],
+                    .layout = runner->data[0],
                     .rays = &dvr->rays.on_device,
                     .results = answers.items,
                     .counts = answers.counts};
@@ -86,7 +76,7 @@ bb_status bb_dvr_of_volume(bb_dvr *dvr)
 {
     dvr->unit = bb_volume_voxel(dvr->scene->volume);
     dvr->set = set;
-    dvr->task.make = make;
+    dvr->task.compile = compile;
     dvr->task.ask = ask;
     dvr->task.check = check;
     dvr->task.time = time_copy;

@@ -1,7 +1,6 @@
-#include "framework/measure/contest.h"
+#include "framework/measure/contest_private.h"
 
 #include "framework/base/interrupt.h"
-#include "framework/base/memory.h"
 #include "framework/base/random.h"
 #include "kernels/bb_shared.h"
 
@@ -9,174 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef struct entrant {
-    bb_instance instances[BB_CONTEST_SCENES_MAX];
-    bb_contest_runner *runners; /* one per search */
-} entrant;
-
-typedef struct contest {
-    const bb_contest_request *request;
-    const bb_contest_task *task;
-    bb_contest_way ways[BB_CONTEST_WAYS_MAX];
-    bb_contest_runner runners[BB_CONTEST_WAYS_MAX]; /* of all ways */
-    uint32_t way_count, first;                      /* way with a tree */
-    entrant *entrants;
-    uint32_t base; /* the way that others are compared with */
-    unsigned char *without, *with;
-    bb_count *counts;
-    bb_buffer d_answers, d_counts;
-    uint64_t items;    /* of all questions */
-    bb_audit *audit;   /* the request's, or the next */
-    bb_audit no_audit; /* nobody asks for it */
-} contest;
-
-/* ---- making ---- */
-
-/* What a builder or a search can't do is the way's, all else ends the contest. */
-static bb_status note(bb_contest_way *way, bb_status status)
-{
-    if (status != BB_UNSUPPORTED && status != BB_REFUSED)
-        return status;
-    snprintf(way->refused, sizeof way->refused, "%s", bb_message());
-    return BB_OK;
-}
-
-static bb_status make_searches(const contest *c, entrant *e, bb_contest_runner *r,
-                               const char *search)
-{
-    bb_spec spec;
-    BB_TRY(bb_tet_search_parse(search, &spec));
-    r->leaf = 1;
-    r->by_boundary = bb_tet_search_by_boundary(&spec);
-    for (uint32_t s = 0; s < c->task->scene_count; s++) {
-        BB_TRY(
-            bb_layout_maker_create(bb_layout_find(spec.name), c->request->device, &r->makers[s]));
-        BB_TRY(bb_layout_maker_make(&r->makers[s], c->task->scenes[s], &e->instances[s].tree, 1,
-                                    BB_FORMAT_VERTICES, &r->layouts[s]));
-    }
-    return BB_OK;
-}
-
-bb_status bb_contest_search(const bb_contest_runner *r, const bb_contest_task *task,
-                            uint32_t number, bb_tet_search *search)
-{
-    const bb_scene *scene = task->scenes[number];
-    if (!r->without)
-        return bb_tet_search_by(scene, r->makers[number].layout, &r->layouts[number], search);
-    bb_tet_search_all(scene, &r->lists[number], search);
-    return BB_OK;
-}
-
-static bb_status make_runner(const contest *c, entrant *e, bb_contest_runner *r, const char *search)
-{
-    bb_contest_way *way = r->way;
-    BB_TRY(c->task->make != NULL ? c->task->make(c->task->self, search, &e->instances[0].tree, r)
-                                 : make_searches(c, e, r, search));
-    for (uint32_t s = 0; s < c->task->scene_count; s++) {
-        const bb_tree *tree = &e->instances[s].tree;
-        way->nodes += tree->info.node_count;
-        way->leaves += tree->info.leaf_count;
-        way->references += tree->info.ref_count;
-        way->bytes += e->instances[s].account.peak + r->layouts[s].bytes;
-        way->tree_bytes += bb_tree_bytes(tree);
-    }
-    return BB_OK;
-}
-
-static bb_status make_tree(const contest *c, entrant *e, uint32_t s, const char *builder)
-{
-    bb_instance *instance = &e->instances[s];
-    bb_scene *scene = c->task->scenes[s];
-    BB_TRY(bb_instance_create(c->request->device, builder, scene, c->request->seed, instance));
-    bool alone = instance->pipeline.count == 1;
-    if (c->task->blank && (!alone || (bb_instance_inputs(instance) & BB_INPUT_VOLUME) == 0))
-        return bb_fail(BB_UNSUPPORTED, "there is nothing to build over");
-    BB_TRY(bb_instance_build(instance, scene, false, NULL));
-    if (c->task->blank)
-        return BB_OK;
-    BB_TRY(bb_tree_download(&instance->tree, NULL));
-    BB_TRY(bb_tree_check(&instance->tree, scene));
-    return bb_tree_upload(&instance->tree, c->request->device, NULL);
-}
-
-static bb_status make_entrant(contest *c, uint32_t i)
-{
-    const bb_contest_request *request = c->request;
-    entrant *e = &c->entrants[i];
-    bb_status status = BB_OK;
-    for (uint32_t s = 0; s < c->task->scene_count && status == BB_OK; s++)
-        status = make_tree(c, e, s, request->builders[i]);
-    e->runners = &c->runners[c->first + i * request->search_count];
-    for (uint32_t k = 0; k < request->search_count; k++) {
-        bb_contest_way *way = e->runners[k].way;
-        way->builder = request->builders[i];
-        way->search = request->searches[k];
-        if (status != BB_OK)
-            BB_TRY(note(way, status));
-        else if (!c->task->blank)
-            BB_TRY(note(way, make_runner(c, e, &e->runners[k], request->searches[k])));
-    }
-    return BB_OK;
-}
-
-static bb_status reserve(contest *c)
-{
-    const bb_contest_request *request = c->request;
-    const uint32_t most = c->task->most_items;
-    const size_t bytes = most * c->task->answer_bytes;
-    BB_TRY(bb_host_alloc(NULL, bytes, "answers", &c->with));
-    BB_TRY(bb_host_alloc(NULL, bytes, "answers", &c->without));
-    BB_TRY(bb_host_alloc(NULL, most * sizeof *c->counts, "counts", &c->counts));
-    BB_TRY(bb_buffer_reserve(request->device, NULL, bytes, "answers", &c->d_answers));
-    BB_TRY(
-        bb_buffer_reserve(request->device, NULL, most * sizeof *c->counts, "counts", &c->d_counts));
-    c->entrants = calloc(request->builder_count, sizeof *c->entrants);
-    if (c->entrants == NULL)
-        return bb_fail(BB_REFUSED, "no memory for a comparison");
-    for (uint32_t w = 0; w < c->way_count; w++) {
-        c->ways[w].builder = c->ways[w].search = "";
-        c->ways[w].light = c->task->light;
-        c->runners[w].way = &c->ways[w];
-    }
-    c->runners[0].without = request->without;
-    for (uint32_t s = 0; s < c->task->scene_count && request->without; s++)
-        if (c->task->scenes[s]->tets != NULL)
-            BB_TRY(bb_tet_list_make(c->task->scenes[s], &c->runners[0].lists[s]));
-    return BB_OK;
-}
-
-/* The first way that is not refused. */
-static bb_status choose_base(contest *c)
-{
-    while (c->base + 1 < c->way_count && c->ways[c->base].refused[0] != '\0')
-        c->base++;
-    return c->ways[c->base].refused[0] == '\0'
-               ? BB_OK
-               : bb_fail(BB_UNSUPPORTED, "%s by %s, and no other way either: %s",
-                         c->ways[0].builder, c->ways[0].search, c->ways[0].refused);
-}
-
-static void clean_up(contest *c)
-{
-    for (uint32_t w = 0; w < c->way_count; w++)
-        for (uint32_t s = 0; s < BB_CONTEST_SCENES_MAX; s++) {
-            bb_layout_data_release(&c->runners[w].layouts[s]);
-            bb_layout_maker_destroy(&c->runners[w].makers[s]);
-            bb_buffer_release(&c->runners[w].lists[s]);
-        }
-    for (uint32_t i = 0; c->entrants != NULL && i < c->request->builder_count; i++)
-        for (uint32_t s = 0; s < BB_CONTEST_SCENES_MAX; s++)
-            bb_instance_destroy(&c->entrants[i].instances[s]);
-    free(c->entrants);
-    bb_host_free(c->with);
-    bb_host_free(c->without);
-    bb_host_free(c->counts);
-    bb_buffer_release(&c->d_answers);
-    bb_buffer_release(&c->d_counts);
-    free(c);
-}
-
-static bb_status check_input(const contest *c)
+static bb_status check_input(const bb_contest *c)
 {
     return c->task->check != NULL ? c->task->check(c->task->self) : BB_OK;
 }
@@ -186,7 +18,7 @@ static bool is_refused(const bb_contest_runner *r)
     return r->way->refused[0] != '\0';
 }
 
-static const bb_contest_runner *first_with_tree(const contest *c)
+static const bb_contest_runner *first_with_tree(const bb_contest *c)
 {
     for (uint32_t w = c->first; w < c->way_count && !c->task->blank; w++)
         if (!is_refused(&c->runners[w]))
@@ -196,13 +28,23 @@ static const bb_contest_runner *first_with_tree(const contest *c)
 
 /* ---- answers ---- */
 
-static bb_contest_answers answers_of(contest *c, bool counting)
+/* Sees to it that what a way asks is on the device. */
+static bb_status ready(bb_contest *c, const bb_contest_runner *r)
+{
+    if (r->without)
+        return BB_OK;
+    const uint32_t w = (uint32_t)(r - c->runners) - c->first, searches = c->request->search_count;
+    return bb_contest_bring(c, &c->entrants[w / searches], &c->searches[w % searches]);
+}
+
+static bb_contest_answers answers_of(bb_contest *c, bool counting)
 {
     return (bb_contest_answers){&c->d_answers, counting ? &c->d_counts : NULL};
 }
 
 /* Answers and counts of a way. */
-static bb_status ask(contest *c, const bb_contest_runner *r, uint32_t items, unsigned char *answers)
+static bb_status ask(bb_contest *c, const bb_contest_runner *r, uint32_t items,
+                     unsigned char *answers)
 {
     const size_t bytes = c->task->answer_bytes;
     for (uint32_t i = 0; c->task->blank && i < items; i++) {
@@ -211,13 +53,14 @@ static bb_status ask(contest *c, const bb_contest_runner *r, uint32_t items, uns
     }
     if (c->task->blank && !r->without)
         return BB_OK;
+    BB_TRY(ready(c, r));
     BB_TRY(bb_buffer_fill(&c->d_answers, items * bytes, BB_POISON));
     BB_TRY(c->task->ask(c->task->self, r, answers_of(c, true)));
     BB_TRY(bb_buffer_read(&c->d_answers, 0, items * bytes, answers));
     return bb_buffer_read(&c->d_counts, 0, items * sizeof *c->counts, c->counts);
 }
 
-static uint64_t count_differences(const contest *c, uint32_t items)
+static uint64_t count_differences(const bb_contest *c, uint32_t items)
 {
     const size_t bytes = c->task->answer_bytes;
     uint64_t differ = 0;
@@ -226,7 +69,7 @@ static uint64_t count_differences(const contest *c, uint32_t items)
     return differ;
 }
 
-static void add_answers(const contest *c, uint32_t items, bb_contest_way *way)
+static void add_answers(const bb_contest *c, uint32_t items, bb_contest_way *way)
 {
     way->differ += count_differences(c, items);
     for (uint32_t i = 0; i < items; i++) {
@@ -238,7 +81,7 @@ static void add_answers(const contest *c, uint32_t items, bb_contest_way *way)
         c->task->compare(c->task->self, c->without, c->with, items, way);
 }
 
-static bb_status compare_question(contest *c, uint32_t question)
+static bb_status compare_question(bb_contest *c, uint32_t question)
 {
     uint32_t items;
     BB_TRY(c->task->take(c->task->self, question, &items));
@@ -257,7 +100,7 @@ static bb_status compare_question(contest *c, uint32_t question)
     return BB_OK;
 }
 
-static bb_status compare_answers(contest *c)
+static bb_status compare_answers(bb_contest *c)
 {
     for (uint32_t q = 0; q < c->task->questions; q++)
         BB_TRY(compare_question(c, q));
@@ -277,7 +120,7 @@ static bb_status compare_answers(contest *c)
 /* ---- rounds ---- */
 
 /* Of an answer that was timed, to the last question. */
-static bb_status compare_timed(contest *c, const bb_contest_runner *r, uint32_t items)
+static bb_status compare_timed(bb_contest *c, const bb_contest_runner *r, uint32_t items)
 {
     BB_TRY(bb_buffer_read(&c->d_answers, 0, items * c->task->answer_bytes, c->with));
     if (r->way->differ == 0) /* else they were counted, of all questions */
@@ -286,9 +129,9 @@ static bb_status compare_timed(contest *c, const bb_contest_runner *r, uint32_t 
 }
 
 /* Of all scenes together: their builds have the same phases. */
-static void add_phases(bb_contest_way *way, const entrant *e, uint32_t scenes)
+static void add_phases(bb_contest_way *way, const bb_contest_entrant *e, uint32_t scenes)
 {
-    const bb_instance *first = &e->instances[0];
+    const bb_instance *first = &e->trees[0].instance;
     way->phase_count = 0;
     for (uint32_t s = 0; s < first->step_count; s++) {
         const bb_build_step *step = &first->steps[s];
@@ -297,8 +140,9 @@ static void add_phases(bb_contest_way *way, const entrant *e, uint32_t scenes)
             bool alone = first->step_count == 1;
             double ms = 0;
             for (uint32_t k = 0; k < scenes; k++)
-                if (s < e->instances[k].step_count && p < e->instances[k].steps[s].phases.count)
-                    ms += e->instances[k].steps[s].phases.ms[p];
+                if (s < e->trees[k].instance.step_count &&
+                    p < e->trees[k].instance.steps[s].phases.count)
+                    ms += e->trees[k].instance.steps[s].phases.ms[p];
             snprintf(phase->name, sizeof phase->name, "%s%s%s", alone ? "" : step->label,
                      alone ? "" : ": ", step->phases.names[p]);
             bb_samples_add(&phase->ms, ms);
@@ -307,13 +151,15 @@ static void add_phases(bb_contest_way *way, const entrant *e, uint32_t scenes)
 }
 
 /* Builds once for the time, once more for the phases. */
-static bb_status time_builds(contest *c, entrant *e, double *build_ms, double *upload_ms)
+static bb_status time_builds(bb_contest *c, bb_contest_entrant *e, double *build_ms,
+                             double *upload_ms)
 {
     *build_ms = *upload_ms = 0;
     for (uint32_t s = 0; s < c->task->scene_count; s++) {
-        bb_instance *instance = &e->instances[s];
+        bb_instance *instance = &e->trees[s].instance;
         bb_build_timing timing;
         double ms = 0;
+        BB_TRY(bb_resident_tree(&c->residency, &e->trees[s]));
         BB_TRY(bb_instance_build(instance, c->task->scenes[s], false, &timing));
         bb_audit_build(c->audit, c->request->name, instance);
         if (!c->task->blank)
@@ -327,7 +173,8 @@ static bb_status time_builds(contest *c, entrant *e, double *build_ms, double *u
     return BB_OK;
 }
 
-static void audit(contest *c, const bb_contest_runner *r, const char *part, const bb_timing *timing)
+static void audit(bb_contest *c, const bb_contest_runner *r, const char *part,
+                  const bb_timing *timing)
 {
     char what[256];
     snprintf(what, sizeof what, "%s of %.80s by %.60s%s%.60s", part, c->request->name,
@@ -335,18 +182,18 @@ static void audit(contest *c, const bb_contest_runner *r, const char *part, cons
     bb_audit_timing(c->audit, what, timing, true);
 }
 
-static bb_status time_layouts(contest *c, entrant *e, bb_contest_runner *r, double *ms)
+static bb_status time_layouts(bb_contest *c, bb_contest_entrant *e, uint32_t k, double *ms)
 {
+    const bb_contest_runner *r = &e->runners[k];
     for (uint32_t s = 0; s < c->task->scene_count && !c->task->blank; s++) {
-        BB_TRY(bb_layout_maker_make(&r->makers[s], c->task->scenes[s], &e->instances[s].tree,
-                                    r->leaf, BB_FORMAT_VERTICES, &r->layouts[s]));
-        *ms += r->layouts[s].timing.ms;
-        audit(c, r, "layout", &r->layouts[s].timing);
+        BB_TRY(bb_resident_layout_again(&c->residency, &e->trees[s], c->searches[k].layout));
+        *ms += r->data[s]->timing.ms;
+        audit(c, r, "layout", &r->data[s]->timing);
     }
     return BB_OK;
 }
 
-static bb_status time_entrant(contest *c, entrant *e)
+static bb_status time_entrant(bb_contest *c, bb_contest_entrant *e)
 {
     const uint32_t searches = c->request->search_count;
     double build_ms, upload_ms;
@@ -363,18 +210,19 @@ static bb_status time_entrant(contest *c, entrant *e)
             continue;
         bb_samples_add(&r->way->build, build_ms);
         add_phases(r->way, e, c->task->scene_count);
-        BB_TRY(time_layouts(c, e, r, &layout_ms));
+        BB_TRY(time_layouts(c, e, k, &layout_ms));
         bb_samples_add(&r->way->layout, layout_ms);
     }
     return BB_OK;
 }
 
-static bb_status time_answer(contest *c, const bb_contest_runner *r, bb_timing *timing)
+static bb_status time_answer(bb_contest *c, const bb_contest_runner *r, bb_timing *timing)
 {
     bb_stopwatch watch;
     *timing = (bb_timing){0};
     if (!r->without && c->task->blank)
         return BB_OK; /* takes no search */
+    BB_TRY(ready(c, r));
     BB_TRY(bb_stopwatch_start(c->request->device, &watch));
     BB_TRY(bb_stopwatch_stop(&watch, c->task->ask(c->task->self, r, answers_of(c, false)), timing));
     audit(c, r, "answer", timing);
@@ -382,7 +230,7 @@ static bb_status time_answer(contest *c, const bb_contest_runner *r, bb_timing *
 }
 
 /* Another order in each round and for each question, so that nobody always follows the same. */
-static void shuffle(const contest *c, uint32_t round, uint32_t question, uint32_t *order,
+static void shuffle(const bb_contest *c, uint32_t round, uint32_t question, uint32_t *order,
                     uint32_t count)
 {
     bb_random random =
@@ -390,7 +238,7 @@ static void shuffle(const contest *c, uint32_t round, uint32_t question, uint32_
     bb_random_order(&random, order, count);
 }
 
-static bb_status time_question(contest *c, uint32_t round, uint32_t question, bb_timing *sums)
+static bb_status time_question(bb_contest *c, uint32_t round, uint32_t question, bb_timing *sums)
 {
     const bool last = round == c->request->repeats && question + 1 == c->task->questions;
     const uint32_t parts = c->task->summed ? 1 : c->task->questions;
@@ -412,7 +260,7 @@ static bb_status time_question(contest *c, uint32_t round, uint32_t question, bb
     return BB_OK;
 }
 
-static bb_status time_round(contest *c, uint32_t round, bb_progress *progress)
+static bb_status time_round(bb_contest *c, uint32_t round, bb_progress *progress)
 {
     bb_timing sums[BB_CONTEST_WAYS_MAX] = {{0}};
     const uint32_t builders = c->request->builder_count;
@@ -436,7 +284,7 @@ static bb_status time_round(contest *c, uint32_t round, bb_progress *progress)
 }
 
 /* Counts as interrupted only before a round that counts. */
-static bb_status run_rounds(contest *c)
+static bb_status run_rounds(bb_contest *c)
 {
     const uint32_t rounds = c->request->repeats + 1, steps = rounds * c->task->questions;
     bb_progress progress;
@@ -457,23 +305,22 @@ static bb_status run_rounds(contest *c)
                : bb_fail(BB_FAILED, "%s: interrupted before a round that counts", c->request->name);
 }
 
-static bb_status run(contest *c)
+static bb_status run(bb_contest *c)
 {
     const bb_contest_task *task = c->task;
-    BB_TRY(reserve(c));
-    for (uint32_t i = 0; i < c->request->builder_count; i++)
-        BB_TRY(make_entrant(c, i));
-    BB_TRY(choose_base(c));
+    BB_TRY(bb_contest_make(c));
     BB_TRY(check_input(c));
     BB_TRY(compare_answers(c));
     BB_TRY(run_rounds(c));
     BB_TRY(check_input(c));
-    return task->end != NULL && !bb_interrupted()
-               ? task->end(task->self, first_with_tree(c), answers_of(c, true))
-               : BB_OK;
+    const bb_contest_runner *first = first_with_tree(c);
+    if (task->end == NULL || bb_interrupted())
+        return BB_OK;
+    BB_TRY(first != NULL ? ready(c, first) : BB_OK);
+    return task->end(task->self, first, answers_of(c, true));
 }
 
-static void fill(const contest *c, bb_table *table)
+static void fill(const bb_contest *c, bb_table *table)
 {
     const bb_contest_task *task = c->task;
     const double answers = task->summed ? 1 : task->questions;
@@ -493,7 +340,7 @@ bb_status bb_contest_run(const bb_contest_request *request, const bb_contest_tas
     if (count > BB_CONTEST_WAYS_MAX || count == 0)
         return bb_fail(BB_INVALID, "%u builders with %u searches are more than %d ways, or none",
                        request->builder_count, request->search_count, BB_CONTEST_WAYS_MAX - 1);
-    contest *c = calloc(1, sizeof *c);
+    bb_contest *c = calloc(1, sizeof *c);
     if (c == NULL)
         return bb_fail(BB_REFUSED, "no memory for a comparison");
     c->request = request;
@@ -504,6 +351,6 @@ bb_status bb_contest_run(const bb_contest_request *request, const bb_contest_tas
     bb_status status = run(c);
     if (status == BB_OK)
         fill(c, table);
-    clean_up(c);
+    bb_contest_clean_up(c);
     return status;
 }

@@ -10,6 +10,7 @@
 #include "framework/locate/tet_search.h"
 #include "framework/measure/audit.h"
 #include "framework/measure/contest_table.h"
+#include "framework/measure/resident.h"
 #include "traversal/traversal.h"
 
 enum { BB_CONTEST_SCENES_MAX = 2 };
@@ -32,13 +33,12 @@ typedef struct bb_contest_request {
     bb_bystanders *watch; /* of other programs; NULL: nobody is warned */
 } bb_contest_request;
 
-/* A way at work: per scene a tree, its layout and what makes that; without a tree, a list. */
+/* A way at work: per scene a tree with its layout; without a tree, a list. */
 typedef struct bb_contest_runner {
     bb_contest_way *way;
-    bool without;  /* there is no tree */
-    uint32_t leaf; /* most references in one, of layouts */
-    bb_layout_maker makers[BB_CONTEST_SCENES_MAX];
-    bb_layout_data layouts[BB_CONTEST_SCENES_MAX];
+    bool without;            /* there is no tree */
+    const bb_layout *layout; /* NULL without a tree */
+    const bb_layout_data *data[BB_CONTEST_SCENES_MAX];
     bb_buffer lists[BB_CONTEST_SCENES_MAX];
     bb_tracer *tracers[2]; /* the task's to fill: not counting, counting */
     bool by_boundary;      /* flags of the boundary are used */
@@ -49,7 +49,7 @@ typedef struct bb_contest_answers {
     bb_buffer *items, *counts;
 } bb_contest_answers;
 
-/* What is asked. Functions return BB_UNSUPPORTED or BB_REFUSED in make() for what the way cannot
+/* What is asked. Functions return BB_UNSUPPORTED or BB_REFUSED in compile() for what the way cannot
  * do; all other failures end the contest. */
 typedef struct bb_contest_task {
     void *self;
@@ -64,9 +64,9 @@ typedef struct bb_contest_task {
     uint32_t questions;
     /* Makes a question ready, and says how many items it has. */
     bb_status (*take)(void *self, uint32_t question, uint32_t *items);
-    /* Makes layout and programs of a way, whose tree is on the device. NULL: of searches for
-     * tetrahedra. */
-    bb_status (*make)(void *self, const char *search, bb_tree *tree, bb_contest_runner *runner);
+    /* Compiles a kernel for a way, whose layout is on the device. NULL: ways search tetrahedra. */
+    bb_status (*compile)(void *self, const bb_kernel *kernel, const bb_spec *spec,
+                         bb_contest_runner *runner);
     /* Enqueues the question. */
     bb_status (*ask)(void *self, const bb_contest_runner *runner, bb_contest_answers answers);
     /* Adds to what the way has of differences beside `differ`. */
