@@ -75,9 +75,7 @@ static bb_status try_scenes(bb_bench *bench)
         bb_status status = bb_bench_check_views(bench, scene, bench->request->scenes[i]);
         if (status == BB_OK) { /* else its message would be lost */
             bench->parts[i] = bb_bench_part_of(bench, scene, bench->request->scenes[i]);
-            bench->sets += bench->request->shard != NULL
-                               ? bench->parts[i].own
-                               : bb_bench_sets_of(bench, scene->view_count);
+            bench->sets += bench->request->workload_count > 0 ? bench->parts[i].own : 0;
         }
         if (i == 0)
             bench->first = scene;
@@ -111,14 +109,10 @@ static bb_status start_buffers(bb_bench *bench)
     bench->batch = most < BB_BATCH ? (uint32_t)most : BB_BATCH;
     BB_TRY(bb_buffer_reserve(bench->device, &bench->account, bench->batch * sizeof(bb_ray), "rays",
                              &bench->rays));
-    /* the counting variant writes answers too */
-    size_t results = bench->batch > BB_COUNTED_RAYS ? bench->batch : BB_COUNTED_RAYS;
-    BB_TRY(bb_buffer_reserve(bench->device, &bench->account, results * BB_RESULT_BYTES_MAX,
-                             "answers", &bench->answers));
-    BB_TRY(bb_buffer_reserve(bench->device, &bench->account, BB_COUNTED_RAYS * sizeof(bb_ray),
-                             "sample of rays", &bench->sample));
-    return bb_buffer_reserve(bench->device, &bench->account, BB_COUNTED_RAYS * sizeof(bb_count),
-                             "counts of tests", &bench->counts);
+    BB_TRY(bb_buffer_reserve(bench->device, &bench->account,
+                             (size_t)bench->batch * BB_RESULT_BYTES_MAX, "answers",
+                             &bench->answers));
+    return bb_counter_create(bench->device, &bench->account, BB_COUNTED_RAYS, &bench->counter);
 }
 
 uint32_t bb_bench_layout_of(const bb_bench *bench, uint32_t kernel,
@@ -212,6 +206,26 @@ static bb_status run_scene(bb_bench *bench, uint32_t index)
     return BB_OK;
 }
 
+static bb_status compile_kernels(bb_bench *bench)
+{
+    BB_TRY(start_buffers(bench));
+    BB_TRY(start_intersectors(bench));
+    return start_kernels(bench);
+}
+
+static bb_status prepare(bb_bench *bench)
+{
+    const bb_bench_request *request = bench->request;
+    bench->built = calloc(request->builder_count + 1, sizeof *bench->built);
+    bench->parts = calloc(request->scene_count + 1, sizeof *bench->parts);
+    if (bench->built == NULL || bench->parts == NULL)
+        return bb_fail(BB_FAILED, "out of memory");
+    BB_TRY(try_scenes(bench));
+    BB_TRY(try_builders(bench));
+    bb_step step = bb_bench_begin(bench);
+    return bb_bench_end(bench, step, "compile kernels", compile_kernels(bench));
+}
+
 bb_status bb_bench_run(const bb_bench_request *request, bb_results *results,
                        bb_bench_outcome *outcome)
 {
@@ -233,21 +247,7 @@ bb_status bb_bench_run(const bb_bench_request *request, bb_results *results,
     bench->progress = &progress;
     bench->start = bb_wall_ms();
     bb_bystanders_start(&bench->bystanders);
-    bench->built = calloc(request->builder_count + 1, sizeof *bench->built);
-    bench->parts = calloc(request->scene_count + 1, sizeof *bench->parts);
-    bb_status status = bench->built != NULL && bench->parts != NULL
-                           ? try_scenes(bench)
-                           : bb_fail(BB_FAILED, "out of memory");
-    if (status == BB_OK)
-        status = try_builders(bench);
-    bb_step step = bb_bench_begin(bench);
-    if (status == BB_OK)
-        status = start_buffers(bench);
-    if (status == BB_OK)
-        status = start_intersectors(bench);
-    if (status == BB_OK)
-        status = start_kernels(bench);
-    status = bb_bench_end(bench, step, "compile kernels", status);
+    bb_status status = prepare(bench);
     const uint32_t rounds = request->repeats + 1;
     bb_progress_plan(&progress, (double)rounds * (request->scene_count * request->builder_count +
                                                   bench->sets * bb_bench_cells_of_set(bench)));
@@ -265,8 +265,7 @@ bb_status bb_bench_run(const bb_bench_request *request, bb_results *results,
     bb_progress_end(&progress);
     bb_buffer_release(&bench->rays);
     bb_buffer_release(&bench->answers);
-    bb_buffer_release(&bench->counts);
-    bb_buffer_release(&bench->sample);
+    bb_counter_release(&bench->counter);
     bb_residency_end(&bench->residency);
     free(bench->intersectors);
     bb_tracers_clear(bench->device);

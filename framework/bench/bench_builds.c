@@ -78,10 +78,7 @@ static bb_status measure_transfer(bb_bench *bench, bb_entrant *entrant)
 static bb_status check_tree(bb_bench *bench, bb_entrant *entrant)
 {
     bb_step step = bb_bench_begin(bench);
-    bb_tree *tree = &entrant->resident->instance.tree;
-    BB_TRY(bb_tree_download(tree, NULL));
-    BB_TRY(bb_tree_check(tree, bench->scene));
-    return bb_bench_end(bench, step, "check trees, SAH", BB_OK);
+    return bb_bench_end(bench, step, "check trees, SAH", bb_resident_check(entrant->resident));
 }
 
 static void record_timing(bb_bench *bench, bb_entrant *entrant, const bb_build_timing *timing)
@@ -184,11 +181,9 @@ static bb_status measure_stages(bb_entrant *entrant)
 static bb_status measure_tree(bb_bench *bench, bb_entrant *entrant)
 {
     bb_build_record *record = &entrant->record;
-    bb_tree *tree = &entrant->resident->instance.tree;
+    const bb_tree *tree = &entrant->resident->instance.tree;
     bb_step step = bb_bench_begin(bench);
-    BB_TRY(bb_tree_download(tree, NULL));
-    BB_TRY(bb_tree_check(tree, bench->scene));
-    bb_resident_note_checked(entrant->resident);
+    BB_TRY(bb_resident_check(entrant->resident));
     record->has_tree = true;
     record->tree = tree->info;
     record->bytes_tree = bb_tree_bytes(tree);

@@ -9,6 +9,7 @@
 #include "framework/builder/instance.h"
 #include "framework/embree/embree.h"
 #include "framework/judge/judge.h"
+#include "framework/measure/count.h"
 #include "framework/measure/launches.h"
 #include "framework/measure/resident.h"
 #include "framework/rays/rays.h"
@@ -86,8 +87,7 @@ typedef struct bb_bench {
     double steps_ms; /* booked so far */
     bb_buffer rays;
     bb_buffer answers; /* whatever the query */
-    bb_buffer counts;
-    bb_buffer sample;   /* rays for the counting variant */
+    bb_counter counter;
     bb_account account; /* of the buffers above and of the rays */
 } bb_bench;
 
@@ -120,8 +120,6 @@ void bb_bench_note_warming(bb_bench *bench, const char *what, const bb_warming *
 bb_status bb_bench_parse_reference(const char *text, bb_spec *spec);
 bb_status bb_bench_parse_kernel(const char *text, bb_kernel_choice *choice);
 
-/* Returns the number of ray sets of a scene with so many views. */
-uint32_t bb_bench_sets_of(const bb_bench *bench, uint32_t views);
 /* Returns the most cells that a ray set can have. */
 uint32_t bb_bench_cells_of_set(const bb_bench *bench);
 

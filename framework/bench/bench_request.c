@@ -57,19 +57,3 @@ uint32_t bb_bench_cells_of_set(const bb_bench *bench)
                      : bench->kernel_count * bench->request->intersector_count;
     return cells;
 }
-
-/* Ray sets of a scene with so many views. */
-uint32_t bb_bench_sets_of(const bb_bench *bench, uint32_t views)
-{
-    const bb_bench_request *request = bench->request;
-    uint32_t sets = 0;
-    for (uint32_t w = 0; w < request->workload_count; w++) {
-        bb_spec spec;
-        const bb_workload *workload = NULL;
-        if (bb_workload_parse(request->workloads[w], &spec, &workload) != BB_OK)
-            continue;
-        bool few = request->max_views > 0 && request->max_views < views;
-        sets += !workload->per_view ? 1 : few ? request->max_views : views;
-    }
-    return sets;
-}

@@ -246,32 +246,29 @@ static void end_scene(bb_bench *bench)
     (void)bb_bench_end(bench, step, "free scenes", BB_OK);
 }
 
-bb_status bb_bench_scene(bb_bench *bench, const char *name)
+static bb_status run_scene(bb_bench *bench, const char *name)
 {
-    bb_status status = load_scene(bench, name);
-    if (status == BB_OK)
-        status = try_workloads(bench);
-    if (status == BB_OK)
-        status = start_entrants(bench);
-    if (status == BB_OK) {
-        bb_warn_of_bystanders(&bench->bystanders, bench->device, bench->progress);
-        status = bb_bench_builds(bench);
-    }
-    if (status == BB_OK)
-        status = record_builds(bench);
-    if (status == BB_OK)
-        status = bb_device_check(bench->device);
+    BB_TRY(load_scene(bench, name));
+    BB_TRY(try_workloads(bench));
+    BB_TRY(start_entrants(bench));
+    bb_warn_of_bystanders(&bench->bystanders, bench->device, bench->progress);
+    BB_TRY(bb_bench_builds(bench));
+    BB_TRY(record_builds(bench));
+    BB_TRY(bb_device_check(bench->device));
     bench->judged = bench->traced_sets = 0;
-    if (status == BB_OK)
-        status = trace_workloads(bench);
+    BB_TRY(trace_workloads(bench));
     bool own_sets = bench->request->shard == NULL || bench->traced_sets > 0;
     bool traced = bench->request->workload_count > 0 && own_sets && !bb_interrupted();
-    if (status == BB_OK && traced && bench->judged == 0) {
+    if (traced && bench->judged == 0) {
         bench->outcome->unjudged++;
         bb_progress_note(bench->progress, "%s: no answer was judged", name);
     }
-    if (status == BB_OK)
-        status = make_pictures(bench);
+    return make_pictures(bench);
+}
+
+bb_status bb_bench_scene(bb_bench *bench, const char *name)
+{
+    bb_status status = run_scene(bench, name);
     end_scene(bench);
     return status;
 }

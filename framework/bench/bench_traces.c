@@ -279,31 +279,6 @@ static bb_status hold_answers(trace_set *set, cell *c)
     return bb_bench_end(set->bench, step, "judge answers", status);
 }
 
-/* Uploads `count` of the first `of` rays of the set, evenly spaced. */
-static bb_status load_sample(trace_set *set, uint32_t of, uint32_t count)
-{
-    bb_ray *sample = NULL;
-    BB_TRY(bb_host_alloc(NULL, count * sizeof *sample, "sample of rays", &sample));
-    for (uint32_t i = 0; i < count; i++)
-        sample[i] = set->rays->rays[(uint64_t)i * of / count];
-    bb_status status = bb_buffer_write(&set->bench->sample, 0, count * sizeof *sample, sample);
-    bb_host_free(sample);
-    return status;
-}
-
-static bb_status count_sample(trace_set *set, cell *c, bb_tracer *tracer, uint32_t count,
-                              bb_count *counts)
-{
-    bb_bench *bench = set->bench;
-    BB_TRY(load_sample(set, c->count, count));
-    bb_pass pass = pass_of(set, c);
-    pass.tracer = tracer;
-    pass.rays = &bench->sample;
-    pass.counts = &bench->counts;
-    BB_TRY(bb_pass_launch(&pass, count));
-    return bb_buffer_read(&bench->counts, 0, count * sizeof *counts, counts);
-}
-
 static bb_status count_tests(trace_set *set, cell *c)
 {
     bb_bench *bench = set->bench;
@@ -311,28 +286,16 @@ static bb_status count_tests(trace_set *set, cell *c)
         return BB_OK;
     bb_step step = bb_bench_begin(bench);
     BB_TRY(bb_bench_layout(bench, c->entrant, c->layout));
-    bb_tracer_request request = tracer_request(set, c);
-    request.counting = true;
-    bb_tracer *tracer;
-    BB_TRY(
-        bb_tracer_get(bench->device, &request, &c->entrant->resident->layouts[c->layout], &tracer));
     /* brute force tests all primitives with each ray: a few rays are enough */
     uint32_t most = c->entrant->record.tree.node_count == 1 ? 64 : BB_COUNTED_RAYS;
     uint32_t count = c->count < most ? c->count : most;
-    bb_count *counts = NULL;
-    BB_TRY(bb_host_alloc(NULL, count * sizeof *counts, "counts of tests", &counts));
-    bb_status status = count_sample(set, c, tracer, count, counts);
-    uint64_t nodes = 0, prims = 0, overflowed = 0;
-    for (uint32_t i = 0; status == BB_OK && i < count; i++) {
-        nodes += counts[i].nodes;
-        prims += counts[i].prims;
-        overflowed += counts[i].overflow;
-    }
-    bb_host_free(counts);
-    BB_TRY(status);
-    c->record.node_tests_per_ray = (double)nodes / count;
-    c->record.prim_tests_per_ray = (double)prims / count;
-    c->record.overflowed = overflowed;
+    bb_tests tests;
+    BB_TRY(bb_count_tests(&bench->counter, tracer_request(set, c),
+                          &c->entrant->resident->layouts[c->layout], set->rays, c->count, count,
+                          &tests));
+    c->record.node_tests_per_ray = (double)tests.nodes / count;
+    c->record.prim_tests_per_ray = (double)tests.prims / count;
+    c->record.overflowed = tests.overflowed;
     c->record.counted = count;
     return bb_bench_end(bench, step, "count tests", BB_OK);
 }

@@ -1,58 +1,45 @@
 /* A comparison as rows of a table, and what its page shows. */
 #include "framework/base/json.h"
 #include "framework/dvr/dvr_private.h"
+#include "framework/table/declare.h"
 
 #include <stdio.h>
 
-#define NUMBER BB_COLUMN_NUMBER, BB_SENSE_EXACT, BB_BETTER_NEITHER
-#define LESS BB_COLUMN_NUMBER, BB_SENSE_EXACT, BB_BETTER_LESS
-#define RATE BB_COLUMN_NUMBER, BB_SENSE_TIMED, BB_BETTER_MORE
-#define ROUNDS BB_COLUMN_ROUNDS, BB_SENSE_TIMED, BB_BETTER_LESS
-#define TEXT BB_COLUMN_TEXT, BB_SENSE_EXACT, BB_BETTER_NEITHER, 0
-
 /* Of the run; the step of a row of accuracy, too. */
-static const bb_column step = {"step", "step", "", "Distance of samples, by the step's unit.",
-                               NUMBER, -1};
-static const bb_column cutoff = {
-    "cutoff", "cutoff", "", "A ray ends where less light than this is left.", NUMBER, -1};
+static BB_EXACT_COLUMN(-1, step, "step", "step", "", "Distance of samples, by the step's unit.");
+static BB_EXACT_COLUMN(-1, cutoff, "cutoff", "cutoff", "",
+                       "A ray ends where less light than this is left.");
 
 /* Of a scene. */
-static const bb_column transfer = {"transfer", "transfer function", "", "Its name.", TEXT};
-static const bb_column voxels = {"voxels", "voxels", "", "Along each axis.", TEXT};
-static const bb_column bits = {"bits", "bits", "", "Of a voxel.", NUMBER, 0};
-static const bb_column side = {"brick_side", "brick side", "", "In cells.", NUMBER, 0};
-static const bb_column bricks = {"bricks", "bricks", "", "Of the volume.", NUMBER, 0};
-static const bb_column seen = {
-    "bricks_seen", "bricks seen", "", "Through the transfer function.", NUMBER, 0};
-static const bb_column seen_part = {"bricks_seen_percent", "seen", "%",
-                                    "Of all bricks.",      NUMBER, 2};
-static const bb_column volume_bytes = {"volume_bytes",   "all bricks", "bytes",
-                                       "Of all bricks.", NUMBER,       0};
-static const bb_column copy = {
-    "copy_ms", "a copy of all bricks", "ms", "From one buffer to another.", ROUNDS, 3};
-static const bb_column copy_rate = {
-    "copy_gb_per_s", "copied at", "GB/s", "All bricks by the time of their copy.", RATE, 1};
-static const bb_column vertices = {"vertices", "vertices", "", "Of the mesh.", NUMBER, 0};
-static const bb_column unit = {"step_unit", "unit of steps", "", "What a step of 1 is.", TEXT};
-static const bb_column pictures = {"pictures", "pictures", "", "Of each way.", NUMBER, 0};
-static const bb_column pixels = {"pixels", "pixels", "", "Of all pictures.", NUMBER, 0};
-static const bb_column compared_by = {"compared_by", "compared by", "",
-                                      "The program that compared as well.", TEXT};
-static const bb_column converged = {"converged_to",
-                                    "converged to",
-                                    "",
-                                    "How far twice the reference's step is from it.",
-                                    NUMBER,
-                                    -1};
+static BB_TEXT_COLUMN(transfer, "transfer", "transfer function", "Its name.");
+static BB_TEXT_COLUMN(voxels, "voxels", "voxels", "Along each axis.");
+static BB_EXACT_COLUMN(0, bits, "bits", "bits", "", "Of a voxel.");
+static BB_EXACT_COLUMN(0, side, "brick_side", "brick side", "", "In cells.");
+static BB_EXACT_COLUMN(0, bricks, "bricks", "bricks", "", "Of the volume.");
+static BB_EXACT_COLUMN(0, seen, "bricks_seen", "bricks seen", "", "Through the transfer function.");
+static BB_EXACT_COLUMN(2, seen_part, "bricks_seen_percent", "seen", "%", "Of all bricks.");
+static BB_EXACT_COLUMN(0, volume_bytes, "volume_bytes", "all bricks", "bytes", "Of all bricks.");
+static BB_ROUNDS_COLUMN(3, copy, "copy_ms", "a copy of all bricks", "ms",
+                        "From one buffer to another.");
+static BB_RATE_COLUMN(1, copy_rate, "copy_gb_per_s", "copied at", "GB/s",
+                      "All bricks by the time of their copy.");
+static BB_EXACT_COLUMN(0, vertices, "vertices", "vertices", "", "Of the mesh.");
+static BB_TEXT_COLUMN(unit, "step_unit", "unit of steps", "What a step of 1 is.");
+static BB_EXACT_COLUMN(0, pictures, "pictures", "pictures", "", "Of each way.");
+static BB_EXACT_COLUMN(0, pixels, "pixels", "pixels", "", "Of all pictures.");
+static BB_TEXT_COLUMN(compared_by, "compared_by", "compared by",
+                      "The program that compared as well.");
+static BB_EXACT_COLUMN(-1, converged, "converged_to", "converged to", "",
+                       "How far twice the reference's step is from it.");
 
 /* Of a step: the accuracy. */
-static const bb_column largest_error = {
-    "largest_error", "largest error", "", "Of a channel in all pictures.", LESS, -1};
-static const bb_column rms_error = {"rms_error", "RMS error", "", "Over all channels and pictures.",
-                                    LESS,        -1};
-static const bb_column samples = {"samples_per_ray", "samples", "", "Per ray.", NUMBER, 1};
-static const bb_column picture_ms = {
-    "picture_ms", "last picture", "ms", "By the first builder and kernel.", ROUNDS, 2};
+static BB_LESS_COLUMN(-1, largest_error, "largest_error", "largest error", "",
+                      "Of a channel in all pictures.");
+static BB_LESS_COLUMN(-1, rms_error, "rms_error", "RMS error", "",
+                      "Over all channels and pictures.");
+static BB_EXACT_COLUMN(1, samples, "samples_per_ray", "samples", "", "Per ray.");
+static BB_ROUNDS_COLUMN(2, picture_ms, "picture_ms", "last picture", "ms",
+                        "By the first builder and kernel.");
 
 #define OUTLINE .command = "volume", .title = "bvhbench: pictures of volumes"
 

@@ -2,6 +2,7 @@
 
 #include "framework/base/clock.h"
 #include "framework/device/device_private.h"
+#include "framework/table/declare.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -106,25 +107,12 @@ void bb_audit_total(bb_audit *audit, double build_ms, double trace_ms, double st
             build_ms, trace_ms, steps_ms, total_ms);
 }
 
-#define OF_RUN BB_SENSE_TIMED, BB_BETTER_NEITHER
-static const bb_column timings = {
-    "timings", "Timings checked", "", "By a second clock.", BB_COLUMN_NUMBER, OF_RUN, 0};
-static const bb_column complaints = {"clock_complaints",
-                                     "Contradictions of clocks",
-                                     "",
-                                     "Of these timings.",
-                                     BB_COLUMN_NUMBER,
-                                     OF_RUN,
-                                     0};
-static const bb_column complaint = {
-    "clock_complaint", "First contradiction", "", "In words.", BB_COLUMN_TEXT, OF_RUN, 0};
-static const bb_column others = {"busy_processors",
-                                 "Processors kept busy",
-                                 "",
-                                 "By other programs.",
-                                 BB_COLUMN_NUMBER,
-                                 OF_RUN,
-                                 2};
+static BB_TIMED_COLUMN(0, timings, "timings", "Timings checked", "", "By a second clock.");
+static BB_TIMED_COLUMN(0, complaints, "clock_complaints", "Contradictions of clocks", "",
+                       "Of these timings.");
+static BB_TEXT_COLUMN(complaint, "clock_complaint", "First contradiction", "In words.");
+static BB_TIMED_COLUMN(2, others, "busy_processors", "Processors kept busy", "",
+                       "By other programs.");
 
 void bb_audit_fill(const bb_audit *audit, const bb_bystanders *watch, bb_table *table)
 {

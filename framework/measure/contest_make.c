@@ -80,12 +80,7 @@ static bb_status make_tree(bb_contest *c, bb_resident *tree)
     if (c->task->blank && (pipeline.count > 1 || !votes))
         return bb_fail(BB_UNSUPPORTED, "there is nothing to build over");
     BB_TRY(bb_resident_tree(&c->residency, tree));
-    if (c->task->blank)
-        return BB_OK;
-    BB_TRY(bb_tree_download(&tree->instance.tree, NULL));
-    BB_TRY(bb_tree_check(&tree->instance.tree, tree->scene));
-    bb_resident_note_checked(tree);
-    return BB_OK;
+    return c->task->blank ? BB_OK : bb_resident_check(tree);
 }
 
 static bb_status make_entrant(bb_contest *c, uint32_t i)

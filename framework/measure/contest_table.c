@@ -2,167 +2,112 @@
 #include "framework/measure/contest_table.h"
 
 #include "framework/scene/tets.h"
+#include "framework/table/declare.h"
 
 #include <string.h>
 
-#define NUMBER BB_COLUMN_NUMBER, BB_SENSE_EXACT
-#define ROUNDS BB_COLUMN_ROUNDS, BB_SENSE_TIMED
-#define TEXT BB_COLUMN_TEXT, BB_SENSE_EXACT
+BB_EXACT_COLUMN(0, bb_column_tetrahedra, "tetrahedra", "tetrahedra", "", "Of the mesh.");
+BB_EXACT_COLUMN(0, bb_column_boundary, "boundary_tetrahedra", "on the boundary", "",
+                "Tetrahedra with a face that no other has.");
+BB_TEXT_COLUMN(bb_column_field, "field", "field", "Whose values are shown.");
+BB_TEXT_COLUMN(bb_column_picture, "picture", "picture", "PNG file beside this one.");
 
-const bb_column bb_column_tetrahedra = {"tetrahedra", "tetrahedra",      "", "Of the mesh.",
-                                        NUMBER,       BB_BETTER_NEITHER, 0};
-const bb_column bb_column_boundary = {"boundary_tetrahedra",
-                                      "on the boundary",
-                                      "",
-                                      "Tetrahedra with a face that no other has.",
-                                      NUMBER,
-                                      BB_BETTER_NEITHER,
-                                      0};
-const bb_column bb_column_field = {"field", "field",           "", "Whose values are shown.",
-                                   TEXT,    BB_BETTER_NEITHER, 0};
-const bb_column bb_column_picture = {"picture", "picture",         "", "PNG file beside this one.",
-                                     TEXT,      BB_BETTER_NEITHER, 0};
+static BB_TEXT_COLUMN(refused, "refused", "refused", "Why the way has no figures.");
+static BB_TEXT_COLUMN(status, "status", "status", "Refused, or nothing.");
+static BB_ROUNDS_COLUMN(2, build, "build_ms", "build", "ms", "Building the tree.");
+static BB_ROUNDS_COLUMN(2, layout, "layout_ms", "layout", "ms",
+                        "Layout, and transfer of a tree that was made on the host.");
+static BB_ROUNDS_COLUMN(2, answer, "answer_ms", "answer", "ms",
+                        "An answer, such as a slice or a picture.");
+static BB_ROUNDS_COLUMN(2, answer_cpu, "answer_cpu_ms", "answer CPU", "ms",
+                        "Processor time of an answer.");
+static BB_DECLARE(BB_COLUMN_ROUNDS, BB_SENSE_TIMED, BB_BETTER_NEITHER, 3, phase, "phase_ms",
+                  "phase", "ms", "A phase of the build, timed apart.");
+static BB_RATE_COLUMN(3, speed, "mitems_per_s", "M/s", "",
+                      "Millions of items, such as voxels, answered per second.");
+static BB_LESS_COLUMN(1, visits, "nodes_per_item", "nodes", "", "Nodes visited per item.");
+static BB_LESS_COLUMN(2, work, "tests_per_item", "tests", "",
+                      "Primitives tested, or samples taken, per item.");
+static BB_EXACT_COLUMN(0, differ, "differ", "differ", "",
+                       "Items whose answers differ from those of the first way.");
+static BB_RATE_COLUMN(2, samples_rate, "msamples_per_s", "samples M/s", "",
+                      "Millions of samples per second.");
+static BB_EXACT_COLUMN(-1, difference, "largest_difference", "largest difference", "",
+                       "Of a channel, from the first way.");
+static BB_EXACT_COLUMN(0, difference_8, "largest_difference_8_bits", "in 8 bits", "",
+                       "The largest difference, in steps of 1/255.");
+static BB_LESS_COLUMN(0, nodes, "nodes", "nodes", "", "Of the tree.");
+static BB_EXACT_COLUMN(0, leaves, "leaves", "leaves", "", "Of the tree.");
+static BB_LESS_COLUMN(0, references, "references", "references", "",
+                      "Of the tree's leaves to primitives.");
+static BB_LESS_COLUMN(2, per_primitive, "references_per_primitive", "references per primitive", "",
+                      "Of the tree.");
+static BB_LESS_COLUMN(0, tree_bytes, "tree_bytes", "tree", "bytes", "Of the tree.");
+static BB_LESS_COLUMN(0, bytes, "bytes", "most memory", "bytes",
+                      "Of tree and scratch at most, and of the layout.");
 
-static const bb_column refused = {"refused", "refused",         "", "Why the way has no figures.",
-                                  TEXT,      BB_BETTER_NEITHER, 0};
-static const bb_column status = {"status", "status",          "", "Refused, or nothing.",
-                                 TEXT,     BB_BETTER_NEITHER, 0};
-static const bb_column build = {"build_ms", "build",        "ms", "Building the tree.",
-                                ROUNDS,     BB_BETTER_LESS, 2};
-static const bb_column layout = {
-    "layout_ms", "layout",       "ms", "Layout, and transfer of a tree that was made on the host.",
-    ROUNDS,      BB_BETTER_LESS, 2};
-static const bb_column answer = {
-    "answer_ms", "answer",       "ms", "An answer, such as a slice or a picture.",
-    ROUNDS,      BB_BETTER_LESS, 2};
-static const bb_column answer_cpu = {
-    "answer_cpu_ms", "answer CPU", "ms", "Processor time of an answer.", ROUNDS, BB_BETTER_LESS, 2};
-static const bb_column phase = {
-    "phase_ms", "phase", "ms", "A phase of the build, timed apart.", ROUNDS, BB_BETTER_NEITHER, 3};
-static const bb_column speed = {"mitems_per_s",
-                                "M/s",
-                                "",
-                                "Millions of items, such as voxels, answered per second.",
-                                BB_COLUMN_NUMBER,
-                                BB_SENSE_TIMED,
-                                BB_BETTER_MORE,
-                                3};
-static const bb_column visits = {"nodes_per_item", "nodes",        "", "Nodes visited per item.",
-                                 NUMBER,           BB_BETTER_LESS, 1};
-static const bb_column work = {
-    "tests_per_item", "tests",        "", "Primitives tested, or samples taken, per item.",
-    NUMBER,           BB_BETTER_LESS, 2};
-static const bb_column differ = {
-    "differ", "differ",          "", "Items whose answers differ from those of the first way.",
-    NUMBER,   BB_BETTER_NEITHER, 0};
-static const bb_column samples_rate = {
-    "msamples_per_s", "samples M/s",  "", "Millions of samples per second.", BB_COLUMN_NUMBER,
-    BB_SENSE_TIMED,   BB_BETTER_MORE, 2};
-static const bb_column difference = {"largest_difference",
-                                     "largest difference",
-                                     "",
-                                     "Of a channel, from the first way.",
-                                     NUMBER,
-                                     BB_BETTER_NEITHER,
-                                     -1};
-static const bb_column difference_8 = {"largest_difference_8_bits",
-                                       "in 8 bits",
-                                       "",
-                                       "The largest difference, in steps of 1/255.",
-                                       NUMBER,
-                                       BB_BETTER_NEITHER,
-                                       0};
-static const bb_column nodes = {"nodes", "nodes", "", "Of the tree.", NUMBER, BB_BETTER_LESS, 0};
-static const bb_column leaves = {"leaves", "leaves",          "", "Of the tree.",
-                                 NUMBER,   BB_BETTER_NEITHER, 0};
-static const bb_column references = {
-    "references", "references",   "", "Of the tree's leaves to primitives.",
-    NUMBER,       BB_BETTER_LESS, 0};
-static const bb_column per_primitive = {"references_per_primitive",
-                                        "references per primitive",
-                                        "",
-                                        "Of the tree.",
-                                        NUMBER,
-                                        BB_BETTER_LESS,
-                                        2};
-static const bb_column tree_bytes = {"tree_bytes", "tree",         "bytes", "Of the tree.",
-                                     NUMBER,       BB_BETTER_LESS, 0};
-static const bb_column bytes = {
-    "bytes", "most memory",  "bytes", "Of tree and scratch at most, and of the layout.",
-    NUMBER,  BB_BETTER_LESS, 0};
-
-static const bb_column rounds = {"rounds", "rounds",          "", "That count.",
-                                 NUMBER,   BB_BETTER_NEITHER, 0};
+static BB_EXACT_COLUMN(0, rounds, "rounds", "rounds", "", "That count.");
 
 static const bb_axes axes = {BB_DRAW_BARS, "ms", "", false, false};
 static const bb_axes by_step = {BB_DRAW_LINES, "step", "error of a channel", true, true};
 static const bb_axes by_time = {BB_DRAW_LINES, "last picture ms", "error of a channel", true, true};
 
+#define PLAIN(name)                                                                                \
+    {                                                                                              \
+        {name}, NULL, false                                                                        \
+    }
 const bb_table_view bb_contest_views[BB_CONTEST_VIEWS] = {
     {.caption = "Meshes",
      .with = BB_SET(BB_QUESTION),
      .rows = BB_SET(BB_QUESTION),
-     .columns = {{{"tetrahedra"}, NULL, false},
-                 {{"boundary_tetrahedra"}, NULL, false},
-                 {{"flat_tetrahedra"}, NULL, false},
-                 {{"meeting"}, NULL, false}}},
+     .columns = {PLAIN("tetrahedra"), PLAIN("boundary_tetrahedra"), PLAIN("flat_tetrahedra"),
+                 PLAIN("meeting")}},
     {.caption = "Ways",
      .with = BB_SET(BB_INTERSECTOR),
      .rows = BB_SET(BB_BUILDER) | BB_SET(BB_INTERSECTOR),
-     .columns = {{{"build_ms"}, NULL, false},
-                 {{"layout_ms"}, NULL, false},
-                 {{"answer_ms"}, NULL, false},
+     .columns = {PLAIN("build_ms"),
+                 PLAIN("layout_ms"),
+                 PLAIN("answer_ms"),
                  {{"answer_ms"}, "answer / first", true},
                  {{"build_ms", "layout_ms", "answer_ms"}, "all / first", true},
-                 {{"mitems_per_s"}, NULL, false},
-                 {{"msamples_per_s"}, NULL, false},
-                 {{"nodes_per_item"}, NULL, false},
-                 {{"tests_per_item"}, NULL, false},
-                 {{"largest_difference"}, NULL, false},
-                 {{"largest_difference_8_bits"}, NULL, false},
-                 {{"differ"}, NULL, false},
-                 {{"refused"}, NULL, false}}},
+                 PLAIN("mitems_per_s"),
+                 PLAIN("msamples_per_s"),
+                 PLAIN("nodes_per_item"),
+                 PLAIN("tests_per_item"),
+                 PLAIN("largest_difference"),
+                 PLAIN("largest_difference_8_bits"),
+                 PLAIN("differ"),
+                 PLAIN("refused")}},
     {.caption = "Time",
      .with = BB_SET(BB_INTERSECTOR),
      .rows = BB_SET(BB_BUILDER) | BB_SET(BB_INTERSECTOR),
-     .columns = {{{"build_ms"}, NULL, false},
-                 {{"layout_ms"}, NULL, false},
-                 {{"answer_ms"}, NULL, false}},
+     .columns = {PLAIN("build_ms"), PLAIN("layout_ms"), PLAIN("answer_ms")},
      .axes = &axes},
     {.caption = "Accuracy",
      .with = BB_SET(BB_QUESTION),
      .rows = BB_SET(BB_QUESTION),
-     .columns = {{{"largest_error"}, NULL, false},
-                 {{"rms_error"}, NULL, false},
-                 {{"samples_per_ray"}, NULL, false},
-                 {{"picture_ms"}, NULL, false}}},
+     .columns = {PLAIN("largest_error"), PLAIN("rms_error"), PLAIN("samples_per_ray"),
+                 PLAIN("picture_ms")}},
     {.caption = "Step against error",
      .with = BB_SET(BB_QUESTION),
      .rows = BB_SET(BB_QUESTION),
-     .columns = {{{"step"}, NULL, false},
-                 {{"largest_error"}, NULL, false},
-                 {{"rms_error"}, NULL, false}},
+     .columns = {PLAIN("step"), PLAIN("largest_error"), PLAIN("rms_error")},
      .axes = &by_step},
     {.caption = "Time against error",
      .with = BB_SET(BB_QUESTION),
      .rows = BB_SET(BB_QUESTION),
-     .columns = {{{"picture_ms"}, NULL, false},
-                 {{"largest_error"}, NULL, false},
-                 {{"rms_error"}, NULL, false}},
+     .columns = {PLAIN("picture_ms"), PLAIN("largest_error"), PLAIN("rms_error")},
      .axes = &by_time},
     {.caption = "Trees",
      .with = BB_SET(BB_BUILDER),
      .without = BB_SET(BB_INTERSECTOR) | BB_SET(BB_MAKER),
      .rows = BB_SET(BB_BUILDER),
-     .columns = {{{"tree_bytes"}, NULL, false},
-                 {{"nodes"}, NULL, false},
-                 {{"leaves"}, NULL, false},
-                 {{"references"}, NULL, false},
-                 {{"references_per_primitive"}, NULL, false}}},
+     .columns = {PLAIN("tree_bytes"), PLAIN("nodes"), PLAIN("leaves"), PLAIN("references"),
+                 PLAIN("references_per_primitive")}},
     {.caption = "Phases of builds",
      .with = BB_SET(BB_MAKER),
      .rows = BB_SET(BB_BUILDER) | BB_SET(BB_MAKER),
-     .columns = {{{"phase_ms"}, NULL, false}}},
+     .columns = {PLAIN("phase_ms")}},
 };
 
 /* ---- rows ---- */

@@ -176,10 +176,14 @@ bb_status bb_resident_layout(bb_residency *all, bb_resident *resident, uint32_t 
     return BB_OK;
 }
 
-void bb_resident_note_checked(bb_resident *resident)
+bb_status bb_resident_check(bb_resident *resident)
 {
+    bb_tree *tree = &resident->instance.tree;
+    BB_TRY(bb_tree_download(tree, NULL));
+    BB_TRY(bb_tree_check(tree, resident->scene));
     resident->checked = true;
-    resident->tree = resident->instance.tree.info;
+    resident->tree = tree->info;
+    return BB_OK;
 }
 
 bb_status bb_resident_layout_again(bb_residency *all, bb_resident *resident, uint32_t layout)

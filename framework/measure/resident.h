@@ -59,8 +59,8 @@ bb_status bb_resident_layout(bb_residency *all, bb_resident *resident, uint32_t 
 /* Makes an existing layout again in its place. After a failure the layout is gone. */
 bb_status bb_resident_layout_again(bb_residency *all, bb_resident *resident, uint32_t layout);
 
-/* Notes that the tree was checked. */
-void bb_resident_note_checked(bb_resident *resident);
+/* Checks the tree (bb_tree_check()), on the host. */
+bb_status bb_resident_check(bb_resident *resident);
 
 /* Raises bytes_held to what all hold now or held since their accounts were marked. */
 void bb_residency_note(bb_residency *all);

@@ -2,6 +2,7 @@
 
 #include "framework/base/memory.h"
 #include "framework/overlap/overlap_paint.h"
+#include "framework/table/declare.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -48,12 +49,9 @@ static bb_status see(void *self, uint32_t direction, const void *first, uint32_t
 
 /* ---- as rows of a table ---- */
 
-#define NUMBER BB_COLUMN_NUMBER, BB_SENSE_EXACT, BB_BETTER_NEITHER
-
-static const bb_column flat = {
-    "flat_tetrahedra", "without a volume", "", "Tetrahedra of the mesh.", NUMBER, 0};
-static const bb_column meeting = {
-    "meeting", "meet the other mesh", "", "Tetrahedra of the mesh.", NUMBER, 0};
+static BB_EXACT_COLUMN(0, flat, "flat_tetrahedra", "without a volume", "",
+                       "Tetrahedra of the mesh.");
+static BB_EXACT_COLUMN(0, meeting, "meeting", "meet the other mesh", "", "Tetrahedra of the mesh.");
 
 const bb_page_outline bb_overlap_outline = {
     .command = "overlap",

@@ -3,6 +3,7 @@
 #include "framework/base/memory.h"
 #include "framework/picture/exr.h"
 #include "framework/picture/image.h"
+#include "framework/table/declare.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -91,29 +92,18 @@ static bb_status see(void *self, uint32_t number, const void *first, uint32_t it
 
 /* ---- as rows of a table ---- */
 
-#define NUMBER BB_COLUMN_NUMBER, BB_SENSE_EXACT, BB_BETTER_NEITHER
-
-static const bb_column axis = {
-    "axis",         "across",          "", "Across which axis slices lie.", BB_COLUMN_TEXT,
-    BB_SENSE_EXACT, BB_BETTER_NEITHER, 0};
-static const bb_column width = {"width", "width", "", "Of a slice, in voxels.", NUMBER, 0};
-static const bb_column height = {"height", "height", "", "Of a slice, in voxels.", NUMBER, 0};
-static const bb_column slices = {"slices", "slices", "", "How many.", NUMBER, 0};
-static const bb_column thickness = {"thickness", "thickness", "", "Of a slice, in scene units.",
-                                    NUMBER,      -1};
-static const bb_column voxels = {"voxels", "voxels", "", "Of all slices.", NUMBER, 0};
-static const bb_column filled = {
-    "voxels_filled", "voxels with material", "", "Of all slices.", NUMBER, 0};
-static const bb_column filled_part = {"filled_percent", "with material", "%",
-                                      "Of all voxels.", NUMBER,          1};
-static const bb_column extended = {"voxels_extended",
-                                   "voxels by a tetrahedron beside the centre",
-                                   "",
-                                   "Of all slices.",
-                                   NUMBER,
-                                   0};
-static const bb_column extended_part = {
-    "extended_percent", "by a tetrahedron beside the centre", "%", "Of all voxels.", NUMBER, 1};
+static BB_TEXT_COLUMN(axis, "axis", "across", "Across which axis slices lie.");
+static BB_EXACT_COLUMN(0, width, "width", "width", "", "Of a slice, in voxels.");
+static BB_EXACT_COLUMN(0, height, "height", "height", "", "Of a slice, in voxels.");
+static BB_EXACT_COLUMN(0, slices, "slices", "slices", "", "How many.");
+static BB_EXACT_COLUMN(-1, thickness, "thickness", "thickness", "", "Of a slice, in scene units.");
+static BB_EXACT_COLUMN(0, voxels, "voxels", "voxels", "", "Of all slices.");
+static BB_EXACT_COLUMN(0, filled, "voxels_filled", "voxels with material", "", "Of all slices.");
+static BB_EXACT_COLUMN(1, filled_part, "filled_percent", "with material", "%", "Of all voxels.");
+static BB_EXACT_COLUMN(0, extended, "voxels_extended", "voxels by a tetrahedron beside the centre",
+                       "", "Of all slices.");
+static BB_EXACT_COLUMN(1, extended_part, "extended_percent", "by a tetrahedron beside the centre",
+                       "%", "Of all voxels.");
 
 const bb_page_outline bb_slice_outline = {
     .command = "slice",
