@@ -157,7 +157,7 @@ static void clean_up(bb_animate *a)
         bb_instance_destroy(&a->yardsticks[i]);
     bb_buffer_release(&a->d_rays);
     bb_buffer_release(&a->d_answers);
-    bb_buffer_release(&a->d_counts);
+    bb_counter_release(&a->counter);
     bb_host_free(a->results);
     bb_host_free(a->before);
     free(a->runners);
@@ -180,13 +180,7 @@ static bb_status do_frame(bb_animate *a, uint32_t index, uint32_t round, bb_rand
         BB_TRY(bb_animate_judge_frame(a, index));
         a->result->frame_count = index + 1;
     }
-    for (uint32_t i = 0; i < count; i++)
-        order[i] = i;
-    for (uint32_t i = count; i > 1; i--) {
-        uint32_t k = bb_random_below(random, i), kept = order[i - 1];
-        order[i - 1] = order[k];
-        order[k] = kept;
-    }
+    bb_random_order(random, order, count);
     for (uint32_t i = 0; i < count; i++) {
         BB_TRY(bb_animate_step(a, &a->runners[order[i]], index, round, changed));
         bb_progress_step(progress);
@@ -221,6 +215,8 @@ bb_status bb_animate_run(const bb_animate_request *request, bb_scene *scene,
     bb_status status = prepare(&a);
     if (status == BB_OK) {
         bb_progress_start(&progress, request->quiet);
+        if (request->watch != NULL)
+            bb_warn_of_bystanders(request->watch, request->device, &progress);
         bb_progress_stage(&progress, a.frames * request->builder_count * (request->repeats + 1),
                           "%s: %u frames, %u methods", scene->name, a.frames,
                           request->builder_count);

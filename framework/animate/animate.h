@@ -41,10 +41,11 @@ typedef struct bb_animate_request {
     uint32_t first, last; /* frames; last may be beyond the scene's */
     uint32_t repeats;     /* rounds that count */
     uint64_t seed;
-    bool counting;   /* counts tests of each ray in the first round */
-    bool quiet;      /* no progress */
-    bool strip;      /* draw some of the frames */
-    bb_audit *audit; /* gets all timings; NULL: none is asked for */
+    bool counting;        /* counts tests of each ray in the first round */
+    bool quiet;           /* no progress */
+    bool strip;           /* draw some of the frames */
+    bb_audit *audit;      /* gets all timings; NULL: none is asked for */
+    bb_bystanders *watch; /* of other programs; NULL: nobody is warned */
 } bb_animate_request;
 
 /* Of one round. NAN: not measured. */

@@ -208,33 +208,18 @@ static bb_status judge(bb_animate *a, uint32_t set, const bb_rays *rays, bb_anim
     return BB_OK;
 }
 
-/* The rays are on the device. */
 static bb_status count_tests(bb_animate *a, bb_animate_runner *runner, uint32_t k,
                              const bb_rays *rays, bb_animate_trace *trace)
 {
-    const size_t bytes = rays->count * sizeof(bb_count);
-    bb_tracer_request request = tracer_of(a, k, rays);
-    bb_tracer *tracer = NULL;
-    bb_count *counts = NULL;
-    request.counting = true;
-    BB_TRY(bb_tracer_get(a->device, &request, &runner->layouts[k], &tracer));
-    BB_TRY(bb_buffer_reserve(a->device, NULL, bytes, "counts of tests", &a->d_counts));
-    BB_TRY(bb_host_alloc(NULL, bytes, "counts of tests", &counts));
-    const bb_pass pass = {.query = rays->query,
-                          .tracer = tracer,
-                          .layout = &runner->layouts[k],
-                          .rays = &a->d_rays,
-                          .results = &a->d_answers,
-                          .counts = &a->d_counts};
-    bb_status status = bb_pass_launch(&pass, rays->count);
-    if (status == BB_OK)
-        status = bb_buffer_read(&a->d_counts, 0, bytes, counts);
-    for (uint32_t i = 0; i < rays->count && status == BB_OK; i++) {
-        trace->tests += (uint64_t)counts[i].nodes + counts[i].prims;
-        trace->overflowed += counts[i].overflow;
-    }
-    bb_host_free(counts);
-    return status;
+    bb_tests tests;
+    if (a->counted < rays->count)
+        BB_TRY(bb_counter_create(a->device, NULL, rays->count, &a->counter));
+    a->counted = a->counted > rays->count ? a->counted : rays->count;
+    BB_TRY(bb_count_tests(&a->counter, tracer_of(a, k, rays), &runner->layouts[k], rays,
+                          rays->count, rays->count, &tests));
+    trace->tests += tests.nodes + tests.prims;
+    trace->overflowed += tests.overflowed;
+    return BB_OK;
 }
 
 static bb_status trace_set(bb_animate *a, bb_animate_runner *runner, uint32_t index, uint32_t round,

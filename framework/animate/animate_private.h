@@ -5,6 +5,7 @@
 
 #include "framework/animate/animate.h"
 #include "framework/judge/judge.h"
+#include "framework/measure/count.h"
 #include "framework/picture/picture.h"
 #include "framework/workload/workload.h"
 
@@ -44,7 +45,9 @@ typedef struct bb_animate {
     bb_answers answers[BB_ANIMATE_RAYS_MAX];
     bb_box *before; /* boxes of the frame before, in the first round */
     uint32_t before_count;
-    bb_buffer d_rays, d_answers, d_counts;
+    bb_buffer d_rays, d_answers;
+    bb_counter counter;
+    uint32_t counted; /* rays that the counter has room for */
     char *results;
     size_t result_bytes;
 } bb_animate;

@@ -148,6 +148,7 @@ static bb_status work(job *j)
     BB_TRY(read_names(j));
     j->request.strip = j->choice.out != NULL;
     j->request.audit = &j->output.audit;
+    j->request.watch = &j->output.watch;
     BB_TRY(bb_open_device(&j->choice.device, &j->request.device));
     bb_interrupt_catch();
     return bb_contest_output_end(&j->output, animate_all(j), &j->wrong);

@@ -1,45 +1,55 @@
 /* A comparison as rows of a table, and what its page shows. */
 #include "framework/base/json.h"
 #include "framework/dvr/dvr_private.h"
-#include "framework/table/declare.h"
 
 #include <stdio.h>
 
 /* Of the run; the step of a row of accuracy, too. */
-static BB_EXACT_COLUMN(-1, step, "step", "step", "", "Distance of samples, by the step's unit.");
-static BB_EXACT_COLUMN(-1, cutoff, "cutoff", "cutoff", "",
-                       "A ray ends where less light than this is left.");
+static const bb_column step =
+    BB_EXACT_COLUMN("step", "step", "", "Distance of samples, by the step's unit.", NEITHER, -1);
+static const bb_column cutoff = BB_EXACT_COLUMN(
+    "cutoff", "cutoff", "", "A ray ends where less light than this is left.", NEITHER, -1);
 
 /* Of a scene. */
-static BB_TEXT_COLUMN(transfer, "transfer", "transfer function", "Its name.");
-static BB_TEXT_COLUMN(voxels, "voxels", "voxels", "Along each axis.");
-static BB_EXACT_COLUMN(0, bits, "bits", "bits", "", "Of a voxel.");
-static BB_EXACT_COLUMN(0, side, "brick_side", "brick side", "", "In cells.");
-static BB_EXACT_COLUMN(0, bricks, "bricks", "bricks", "", "Of the volume.");
-static BB_EXACT_COLUMN(0, seen, "bricks_seen", "bricks seen", "", "Through the transfer function.");
-static BB_EXACT_COLUMN(2, seen_part, "bricks_seen_percent", "seen", "%", "Of all bricks.");
-static BB_EXACT_COLUMN(0, volume_bytes, "volume_bytes", "all bricks", "bytes", "Of all bricks.");
-static BB_ROUNDS_COLUMN(3, copy, "copy_ms", "a copy of all bricks", "ms",
-                        "From one buffer to another.");
-static BB_RATE_COLUMN(1, copy_rate, "copy_gb_per_s", "copied at", "GB/s",
-                      "All bricks by the time of their copy.");
-static BB_EXACT_COLUMN(0, vertices, "vertices", "vertices", "", "Of the mesh.");
-static BB_TEXT_COLUMN(unit, "step_unit", "unit of steps", "What a step of 1 is.");
-static BB_EXACT_COLUMN(0, pictures, "pictures", "pictures", "", "Of each way.");
-static BB_EXACT_COLUMN(0, pixels, "pixels", "pixels", "", "Of all pictures.");
-static BB_TEXT_COLUMN(compared_by, "compared_by", "compared by",
-                      "The program that compared as well.");
-static BB_EXACT_COLUMN(-1, converged, "converged_to", "converged to", "",
-                       "How far twice the reference's step is from it.");
+static const bb_column transfer = BB_TEXT_COLUMN("transfer", "transfer function", "Its name.");
+static const bb_column voxels = BB_TEXT_COLUMN("voxels", "voxels", "Along each axis.");
+static const bb_column bits = BB_EXACT_COLUMN("bits", "bits", "", "Of a voxel.", NEITHER, 0);
+static const bb_column side =
+    BB_EXACT_COLUMN("brick_side", "brick side", "", "In cells.", NEITHER, 0);
+static const bb_column bricks =
+    BB_EXACT_COLUMN("bricks", "bricks", "", "Of the volume.", NEITHER, 0);
+static const bb_column seen =
+    BB_EXACT_COLUMN("bricks_seen", "bricks seen", "", "Through the transfer function.", NEITHER, 0);
+static const bb_column seen_part =
+    BB_EXACT_COLUMN("bricks_seen_percent", "seen", "%", "Of all bricks.", NEITHER, 2);
+static const bb_column volume_bytes =
+    BB_EXACT_COLUMN("volume_bytes", "all bricks", "bytes", "Of all bricks.", NEITHER, 0);
+static const bb_column copy = BB_ROUNDS_COLUMN("copy_ms", "a copy of all bricks", "ms",
+                                               "From one buffer to another.", LESS, 3);
+static const bb_column copy_rate = BB_TIMED_COLUMN(
+    "copy_gb_per_s", "copied at", "GB/s", "All bricks by the time of their copy.", MORE, 1);
+static const bb_column vertices =
+    BB_EXACT_COLUMN("vertices", "vertices", "", "Of the mesh.", NEITHER, 0);
+static const bb_column unit = BB_TEXT_COLUMN("step_unit", "unit of steps", "What a step of 1 is.");
+static const bb_column pictures =
+    BB_EXACT_COLUMN("pictures", "pictures", "", "Of each way.", NEITHER, 0);
+static const bb_column pixels =
+    BB_EXACT_COLUMN("pixels", "pixels", "", "Of all pictures.", NEITHER, 0);
+static const bb_column compared_by =
+    BB_TEXT_COLUMN("compared_by", "compared by", "The program that compared as well.");
+static const bb_column converged =
+    BB_EXACT_COLUMN("converged_to", "converged to", "",
+                    "How far twice the reference's step is from it.", NEITHER, -1);
 
 /* Of a step: the accuracy. */
-static BB_LESS_COLUMN(-1, largest_error, "largest_error", "largest error", "",
-                      "Of a channel in all pictures.");
-static BB_LESS_COLUMN(-1, rms_error, "rms_error", "RMS error", "",
-                      "Over all channels and pictures.");
-static BB_EXACT_COLUMN(1, samples, "samples_per_ray", "samples", "", "Per ray.");
-static BB_ROUNDS_COLUMN(2, picture_ms, "picture_ms", "last picture", "ms",
-                        "By the first builder and kernel.");
+static const bb_column largest_error = BB_EXACT_COLUMN("largest_error", "largest error", "",
+                                                       "Of a channel in all pictures.", LESS, -1);
+static const bb_column rms_error =
+    BB_EXACT_COLUMN("rms_error", "RMS error", "", "Over all channels and pictures.", LESS, -1);
+static const bb_column samples =
+    BB_EXACT_COLUMN("samples_per_ray", "samples", "", "Per ray.", NEITHER, 1);
+static const bb_column picture_ms = BB_ROUNDS_COLUMN("picture_ms", "last picture", "ms",
+                                                     "By the first builder and kernel.", LESS, 2);
 
 #define OUTLINE .command = "volume", .title = "bvhbench: pictures of volumes"
 

@@ -2,7 +2,6 @@
 
 #include "framework/base/clock.h"
 #include "framework/device/device_private.h"
-#include "framework/table/declare.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -107,12 +106,14 @@ void bb_audit_total(bb_audit *audit, double build_ms, double trace_ms, double st
             build_ms, trace_ms, steps_ms, total_ms);
 }
 
-static BB_TIMED_COLUMN(0, timings, "timings", "Timings checked", "", "By a second clock.");
-static BB_TIMED_COLUMN(0, complaints, "clock_complaints", "Contradictions of clocks", "",
-                       "Of these timings.");
-static BB_TEXT_COLUMN(complaint, "clock_complaint", "First contradiction", "In words.");
-static BB_TIMED_COLUMN(2, others, "busy_processors", "Processors kept busy", "",
-                       "By other programs.");
+static const bb_column timings =
+    BB_TIMED_COLUMN("timings", "Timings checked", "", "By a second clock.", NEITHER, 0);
+static const bb_column complaints = BB_TIMED_COLUMN("clock_complaints", "Contradictions of clocks",
+                                                    "", "Of these timings.", NEITHER, 0);
+static const bb_column complaint =
+    BB_TEXT_COLUMN("clock_complaint", "First contradiction", "In words.");
+static const bb_column others = BB_TIMED_COLUMN("busy_processors", "Processors kept busy", "",
+                                                "By other programs.", NEITHER, 2);
 
 void bb_audit_fill(const bb_audit *audit, const bb_bystanders *watch, bb_table *table)
 {

@@ -2,51 +2,60 @@
 #include "framework/measure/contest_table.h"
 
 #include "framework/scene/tets.h"
-#include "framework/table/declare.h"
 
 #include <string.h>
 
-BB_EXACT_COLUMN(0, bb_column_tetrahedra, "tetrahedra", "tetrahedra", "", "Of the mesh.");
-BB_EXACT_COLUMN(0, bb_column_boundary, "boundary_tetrahedra", "on the boundary", "",
-                "Tetrahedra with a face that no other has.");
-BB_TEXT_COLUMN(bb_column_field, "field", "field", "Whose values are shown.");
-BB_TEXT_COLUMN(bb_column_picture, "picture", "picture", "PNG file beside this one.");
+const bb_column bb_column_tetrahedra =
+    BB_EXACT_COLUMN("tetrahedra", "tetrahedra", "", "Of the mesh.", NEITHER, 0);
+const bb_column bb_column_boundary =
+    BB_EXACT_COLUMN("boundary_tetrahedra", "on the boundary", "",
+                    "Tetrahedra with a face that no other has.", NEITHER, 0);
+const bb_column bb_column_field = BB_TEXT_COLUMN("field", "field", "Whose values are shown.");
+const bb_column bb_column_picture =
+    BB_TEXT_COLUMN("picture", "picture", "PNG file beside this one.");
 
-static BB_TEXT_COLUMN(refused, "refused", "refused", "Why the way has no figures.");
-static BB_TEXT_COLUMN(status, "status", "status", "Refused, or nothing.");
-static BB_ROUNDS_COLUMN(2, build, "build_ms", "build", "ms", "Building the tree.");
-static BB_ROUNDS_COLUMN(2, layout, "layout_ms", "layout", "ms",
-                        "Layout, and transfer of a tree that was made on the host.");
-static BB_ROUNDS_COLUMN(2, answer, "answer_ms", "answer", "ms",
-                        "An answer, such as a slice or a picture.");
-static BB_ROUNDS_COLUMN(2, answer_cpu, "answer_cpu_ms", "answer CPU", "ms",
-                        "Processor time of an answer.");
-static BB_DECLARE(BB_COLUMN_ROUNDS, BB_SENSE_TIMED, BB_BETTER_NEITHER, 3, phase, "phase_ms",
-                  "phase", "ms", "A phase of the build, timed apart.");
-static BB_RATE_COLUMN(3, speed, "mitems_per_s", "M/s", "",
-                      "Millions of items, such as voxels, answered per second.");
-static BB_LESS_COLUMN(1, visits, "nodes_per_item", "nodes", "", "Nodes visited per item.");
-static BB_LESS_COLUMN(2, work, "tests_per_item", "tests", "",
-                      "Primitives tested, or samples taken, per item.");
-static BB_EXACT_COLUMN(0, differ, "differ", "differ", "",
-                       "Items whose answers differ from those of the first way.");
-static BB_RATE_COLUMN(2, samples_rate, "msamples_per_s", "samples M/s", "",
-                      "Millions of samples per second.");
-static BB_EXACT_COLUMN(-1, difference, "largest_difference", "largest difference", "",
-                       "Of a channel, from the first way.");
-static BB_EXACT_COLUMN(0, difference_8, "largest_difference_8_bits", "in 8 bits", "",
-                       "The largest difference, in steps of 1/255.");
-static BB_LESS_COLUMN(0, nodes, "nodes", "nodes", "", "Of the tree.");
-static BB_EXACT_COLUMN(0, leaves, "leaves", "leaves", "", "Of the tree.");
-static BB_LESS_COLUMN(0, references, "references", "references", "",
-                      "Of the tree's leaves to primitives.");
-static BB_LESS_COLUMN(2, per_primitive, "references_per_primitive", "references per primitive", "",
-                      "Of the tree.");
-static BB_LESS_COLUMN(0, tree_bytes, "tree_bytes", "tree", "bytes", "Of the tree.");
-static BB_LESS_COLUMN(0, bytes, "bytes", "most memory", "bytes",
-                      "Of tree and scratch at most, and of the layout.");
+static const bb_column refused =
+    BB_TEXT_COLUMN("refused", "refused", "Why the way has no figures.");
+static const bb_column status = BB_TEXT_COLUMN("status", "status", "Refused, or nothing.");
+static const bb_column build =
+    BB_ROUNDS_COLUMN("build_ms", "build", "ms", "Building the tree.", LESS, 2);
+static const bb_column layout =
+    BB_ROUNDS_COLUMN("layout_ms", "layout", "ms",
+                     "Layout, and transfer of a tree that was made on the host.", LESS, 2);
+static const bb_column answer = BB_ROUNDS_COLUMN(
+    "answer_ms", "answer", "ms", "An answer, such as a slice or a picture.", LESS, 2);
+static const bb_column answer_cpu =
+    BB_ROUNDS_COLUMN("answer_cpu_ms", "answer CPU", "ms", "Processor time of an answer.", LESS, 2);
+static const bb_column phase =
+    BB_ROUNDS_COLUMN("phase_ms", "phase", "ms", "A phase of the build, timed apart.", NEITHER, 3);
+static const bb_column speed = BB_TIMED_COLUMN(
+    "mitems_per_s", "M/s", "", "Millions of items, such as voxels, answered per second.", MORE, 3);
+static const bb_column visits =
+    BB_EXACT_COLUMN("nodes_per_item", "nodes", "", "Nodes visited per item.", LESS, 1);
+static const bb_column work = BB_EXACT_COLUMN(
+    "tests_per_item", "tests", "", "Primitives tested, or samples taken, per item.", LESS, 2);
+static const bb_column differ = BB_EXACT_COLUMN(
+    "differ", "differ", "", "Items whose answers differ from those of the first way.", NEITHER, 0);
+static const bb_column samples_rate = BB_TIMED_COLUMN("msamples_per_s", "samples M/s", "",
+                                                      "Millions of samples per second.", MORE, 2);
+static const bb_column difference =
+    BB_EXACT_COLUMN("largest_difference", "largest difference", "",
+                    "Of a channel, from the first way.", NEITHER, -1);
+static const bb_column difference_8 =
+    BB_EXACT_COLUMN("largest_difference_8_bits", "in 8 bits", "",
+                    "The largest difference, in steps of 1/255.", NEITHER, 0);
+static const bb_column nodes = BB_EXACT_COLUMN("nodes", "nodes", "", "Of the tree.", LESS, 0);
+static const bb_column leaves = BB_EXACT_COLUMN("leaves", "leaves", "", "Of the tree.", NEITHER, 0);
+static const bb_column references =
+    BB_EXACT_COLUMN("references", "references", "", "Of the tree's leaves to primitives.", LESS, 0);
+static const bb_column per_primitive = BB_EXACT_COLUMN(
+    "references_per_primitive", "references per primitive", "", "Of the tree.", LESS, 2);
+static const bb_column tree_bytes =
+    BB_EXACT_COLUMN("tree_bytes", "tree", "bytes", "Of the tree.", LESS, 0);
+static const bb_column bytes = BB_EXACT_COLUMN(
+    "bytes", "most memory", "bytes", "Of tree and scratch at most, and of the layout.", LESS, 0);
 
-static BB_EXACT_COLUMN(0, rounds, "rounds", "rounds", "", "That count.");
+static const bb_column rounds = BB_EXACT_COLUMN("rounds", "rounds", "", "That count.", NEITHER, 0);
 
 static const bb_axes axes = {BB_DRAW_BARS, "ms", "", false, false};
 static const bb_axes by_step = {BB_DRAW_LINES, "step", "error of a channel", true, true};

@@ -1,4 +1,4 @@
-/* Tests of boxes and primitives, counted by the counting variant of a kernel on a sample of rays. */
+/* Tests of boxes and primitives, which the counting variant of a kernel counts on some rays. */
 #ifndef BB_COUNT_H
 #define BB_COUNT_H
 

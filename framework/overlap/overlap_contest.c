@@ -2,7 +2,6 @@
 
 #include "framework/base/memory.h"
 #include "framework/overlap/overlap_paint.h"
-#include "framework/table/declare.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -49,9 +48,10 @@ static bb_status see(void *self, uint32_t direction, const void *first, uint32_t
 
 /* ---- as rows of a table ---- */
 
-static BB_EXACT_COLUMN(0, flat, "flat_tetrahedra", "without a volume", "",
-                       "Tetrahedra of the mesh.");
-static BB_EXACT_COLUMN(0, meeting, "meeting", "meet the other mesh", "", "Tetrahedra of the mesh.");
+static const bb_column flat = BB_EXACT_COLUMN("flat_tetrahedra", "without a volume", "",
+                                              "Tetrahedra of the mesh.", NEITHER, 0);
+static const bb_column meeting =
+    BB_EXACT_COLUMN("meeting", "meet the other mesh", "", "Tetrahedra of the mesh.", NEITHER, 0);
 
 const bb_page_outline bb_overlap_outline = {
     .command = "overlap",
