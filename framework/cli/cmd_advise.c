@@ -24,11 +24,11 @@ typedef struct advising {
 static const bb_cli_option options[] = {
     {"scene", "S", "file (.gltf, .glb, .obj, .ply), shipped or procedural scene",
      BB_INTO(advising, request.scene), .needed = true},
-    {"max-wrong-ppm", "X", "wrong rays per million that are tolerated",
+    {"max-wrong-ppm", "X", "tolerated wrong rays per million",
      BB_INTO(advising, request.max_wrong_ppm), .high = 1e6, .fallback = "0"},
     {"rays", "R", "kinds of rays", BB_INTO(advising, rays),
      .fallback = "primary,ao,diffuse,shadow"},
-    {"count", "N", "number of rays, of all kinds together, for the time to image",
+    {"count", "N", "rays of the image whose time is compared, all kinds together",
      BB_INTO(advising, count), .low = 1, .high = (double)(UINT64_C(1) << 50), .fallback = "1e6"},
     {"builder", "B",
      "builders to try; default: those that `run` compares, and their least variants",
@@ -38,7 +38,7 @@ static const bb_cli_option options[] = {
     {"intersector", "I", "intersectors to try; default: exact, or all if wrong rays are tolerated",
      BB_INTO(advising, intersectors)},
     {"exhaustive", NULL,
-     "measure all combinations at the end, to show how far the choice is from the best",
+     "measure all combinations at the end, and compare the choice with the best",
      BB_INTO(advising, request.exhaustive)},
     {"size", "WxH", "image size for primary rays, in the last heat",
      BB_INTO_SIZE(advising, request.width), .fallback = "256x256"},
@@ -48,7 +48,7 @@ static const bb_cli_option options[] = {
      BB_INTO(advising, request.repeats), .low = BB_INTERVAL_ROUNDS, .high = BB_SAMPLES_MAX - 1,
      .fallback = "10"},
     {"memory", "BYTES",
-     "memory for trees and layouts at a time; if they need more, they are measured in turns",
+     "memory for trees and layouts; if they need more, they are measured in turns",
      BB_INTO(advising, memory), .low = 1, .high = (double)(UINT64_C(1) << 50), .fallback = "1500M"},
     {"quick", NULL, "fewer rays, and one heat less", BB_INTO(advising, request.quick),
      .presets =
@@ -238,15 +238,16 @@ static void release(void *values)
 extern const bb_command bb_command_advise;
 const bb_command bb_command_advise = {
     .name = "advise",
-    .summary = "find the least that a scene needs: builder, code, kernel, stack, intersector",
-    .details = "Tries the candidates and drops early those that are surely too slow. Of those that "
-               "are right\n"
-               "often enough and within 5 % of the fastest, it names the one that needs least: "
-               "memory, bits of\n"
-               "the code, stack, kinds of primitives, in this order. It says what it left out, "
-               "what that would\n"
-               "have cost, and which command measures the choice again.\n"
-               "Exit status 1: nothing that was tried is within --max-wrong-ppm.",
+    .summary =
+        "find the least configuration for a scene: builder, code, kernel, stack, intersector",
+    .details = "Measures configurations and drops early those that are certainly too slow. Among "
+               "those that are\n"
+               "accurate enough and within 5 % of the fastest, it chooses the one with the least "
+               "memory, then with\n"
+               "the fewest bits of the code, stack entries and kinds of primitives. It shows the "
+               "cost of generous\n"
+               "settings, and the command that measures the choice again.\n"
+               "Exit status 1: no configuration is within --max-wrong-ppm.",
     .options = options,
     .bytes = sizeof(advising),
     .run = run,

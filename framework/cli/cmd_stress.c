@@ -37,9 +37,10 @@ static const bb_cli_option options[] = {
      "take minutes: small scenes, few rays and values; times are not judged, rare failures are "
      "missed",
      BB_INTO(wanted, request.quick)},
-    {"limit", "SECONDS", "a method that takes longer for one value of an axis counts as a hang",
+    {"limit", "SECONDS",
+     "time limit of a method at one value of an axis; beyond it, the method hangs",
      BB_INTO(wanted, seconds), .low = 1, .high = 86400, .fallback = "120"},
-    {"memory", "MIB", "a method that takes more counts as a flood of memory",
+    {"memory", "MIB", "memory limit of a method; beyond it, the method floods the memory",
      BB_INTO(wanted, request.limits.megabytes), .low = 64, .high = 1u << 30, .fallback = "8192"},
     BB_GROUP(bb_device_options, wanted, device),
     BB_SEED_OPTION(wanted, request.seed),
@@ -198,16 +199,16 @@ const bb_command bb_command_stress = {
     .name = "stress",
     .summary = "find where builders, kernels and intersectors begin to fail",
     .details =
-        "Each axis has one parameter that drives methods into a failure. Bisection finds the value "
-        "at which\n"
-        "each method begins to fail: wrong answers, a refusal, twice its own time, tests or "
-        "memory. If\n"
-        "--builder, --kernel or --intersector is given, only those are tried.\n"
+        "Each axis has a parameter that drives methods into failure. Bisection finds the value at "
+        "which each\n"
+        "method begins to fail: wrong answers, a refusal, or twice its own time, tests or memory. "
+        "Only the\n"
+        "given methods are tried if there is --builder, --kernel or --intersector.\n"
         "Each value is measured in a process of its own and kept in DIR/points, so that the same "
         "command\n"
         "continues after an interruption. Remove that folder to measure anew.\n"
         "Exit status 1: a crash, a hang, a flood of memory, a failure, no verdict, or wrong\n"
-        "answers of what must be exact.",
+        "answers of an exact method.",
     .options = options,
     .bytes = sizeof(wanted),
     .run = run,
