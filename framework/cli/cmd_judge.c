@@ -54,7 +54,7 @@ static const bb_cli_option options[] = {
      BB_INTO(job, speeds)},
     {"name", "TEXT", "the tracer's name; default: the name in the hits file, else `outside`",
      BB_INTO(job, tracer)},
-    {"max-wrong-ppm", "X", "wrong rays per million that are tolerated", BB_INTO(job, max_wrong_ppm),
+    {"max-wrong-ppm", "X", "tolerated wrong rays per million", BB_INTO(job, max_wrong_ppm),
      .high = 1e6, .fallback = "0"},
     {"verify", NULL, "generate the rays again and compare them; no: the rays were made by hand",
      BB_INTO(job, by_hand), .words = "yes|no", .fallback = "yes"},

@@ -59,7 +59,7 @@ static const bb_cli_option options[] = {
      BB_INTO(comparison, request.repeats), .low = 1, .high = BB_SAMPLES_MAX - 1, .fallback = "6"},
     BB_SEED_OPTION(comparison, request.seed),
     {"metrics", "M", "additional metrics of trees: see below; `all`", BB_INTO(comparison, metrics)},
-    {"max-wrong-ppm", "X", "wrong rays per million that are tolerated",
+    {"max-wrong-ppm", "X", "tolerated wrong rays per million",
      BB_INTO(comparison, request.max_wrong_ppm), .high = 1e6, .fallback = "0"},
     {"out", "DIR", "folder for results.json, report.html and pictures", BB_INTO(comparison, folder),
      .fallback = "out"},
