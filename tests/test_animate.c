@@ -417,7 +417,7 @@ static void bad_requests_get_one_line(void **state)
         {"animate --scene twist:n=100 --builder lbvh+refit:trigger=sah:0.5", "a number of 1"},
         {"animate --scene twist:n=100 --builder lbvh+refit:trigger=every:2.5", "a whole number"},
         {"animate --scene twist:n=100 --builder lbvh+refit:pause=1", "give rotate=yes"},
-        {"animate --scene car:away=1", "takes no 'away'"},
+        {"animate --scene car:away=1", "leave 'away' out"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
         refuses("", bad[i][0], bad[i][1]);
