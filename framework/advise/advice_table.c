@@ -7,83 +7,81 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define COLUMN(kind, sense, better, decimals, id, name, heading, unit, help)                       \
-    static const bb_column id = {name, heading, unit, help, kind, sense, better, decimals}
-#define TEXT(id, name, heading, help)                                                              \
-    COLUMN(BB_COLUMN_TEXT, BB_SENSE_EXACT, BB_BETTER_NEITHER, 0, id, name, heading, "", help)
-#define EXACT(...) COLUMN(BB_COLUMN_NUMBER, BB_SENSE_EXACT, BB_BETTER_NEITHER, __VA_ARGS__)
-#define LESS(...) COLUMN(BB_COLUMN_NUMBER, BB_SENSE_EXACT, BB_BETTER_LESS, __VA_ARGS__)
-#define TIMED(...) COLUMN(BB_COLUMN_NUMBER, BB_SENSE_TIMED, BB_BETTER_NEITHER, __VA_ARGS__)
-#define TIME(...) COLUMN(BB_COLUMN_NUMBER, BB_SENSE_TIMED, BB_BETTER_LESS, __VA_ARGS__)
-
 /* ---- of the scene ---- */
 
-EXACT(0, prims, "primitives", "primitives", "", "Of the scene.");
-EXACT(0, sample_prims, "sample_primitives", "primitives of the sample", "",
-      "On which kernels, intersectors and builders are tried first.");
-EXACT(0, image_rays, "image_rays", "rays of an image", "", "Of all kinds together.");
-TEXT(ray_kinds, "ray_kinds", "kinds of rays", "An image has equally many rays of each.");
-EXACT(-1, limit, "max_wrong_ppm", "tolerated", "wrong rays per million", "As asked for.");
-EXACT(2, slack, "slack", "slack", "", "The choice takes so many times the least time at most.");
-EXACT(2, scout_slack, "scout_slack", "slack of scouts", "",
-      "What takes more than so many times the least time on the sample is dropped.");
-TIMED(0, within, "within_slack", "within the slack", "", "Contenders of the last heat.");
-TIMED(0, unlikely, "unlikely", "left out as foretold", "",
-      "Contenders that are too slow by far, by the figures of the scouts.");
-TIMED(0, heats, "heats", "heats", "", "Of the race; those that a contender ran in.");
-TEXT(preliminary, "preliminary", "PRELIMINARY, by",
-     "What was measured last when the command was interrupted.");
-TEXT(again, "again", "To measure the choice again", "A command line.");
+BB_EXACT(prims, "primitives", "primitives", "", "Of the scene.", NEITHER, 0);
+BB_EXACT(sample_prims, "sample_primitives", "primitives of the sample", "",
+         "On which kernels, intersectors and builders are tried first.", NEITHER, 0);
+BB_EXACT(image_rays, "image_rays", "rays of an image", "", "Of all kinds together.", NEITHER, 0);
+BB_TEXT(ray_kinds, "ray_kinds", "kinds of rays", "An image has equally many rays of each.");
+BB_EXACT(limit, "max_wrong_ppm", "tolerated", "wrong rays per million", "As asked for.", NEITHER,
+         -1);
+BB_EXACT(slack, "slack", "slack", "", "The choice takes so many times the least time at most.",
+         NEITHER, 2);
+BB_EXACT(scout_slack, "scout_slack", "slack of scouts", "",
+         "What takes more than so many times the least time on the sample is dropped.", NEITHER, 2);
+BB_TIMED(within, "within_slack", "within the slack", "", "Contenders of the last heat.", NEITHER,
+         0);
+BB_TIMED(unlikely, "unlikely", "left out as foretold", "",
+         "Contenders that are too slow by far, by the figures of the scouts.", NEITHER, 0);
+BB_TIMED(heats, "heats", "heats", "", "Of the race; those that a contender ran in.", NEITHER, 0);
+BB_TEXT(preliminary, "preliminary", "PRELIMINARY, by",
+        "What was measured last when the command was interrupted.");
+BB_TEXT(again, "again", "To measure the choice again", "A command line.");
 
 /* ---- of the rows "foretold" and "taken" ---- */
 
-TIMED(1, seconds, "seconds", "time", "s", "Wall time.");
-TIMED(0, host_bytes, "host_bytes", "host memory", "bytes", "At its peak.");
-TIMED(0, device_bytes, "device_bytes", "device memory", "bytes", "At its peak.");
-TIMED(0, held_bytes, "held_bytes", "trees and layouts", "bytes",
-      "By their accounts, with scratch: the most at a time.");
+BB_TIMED(seconds, "seconds", "time", "s", "Wall time.", NEITHER, 1);
+BB_TIMED(host_bytes, "host_bytes", "host memory", "bytes", "At its peak.", NEITHER, 0);
+BB_TIMED(device_bytes, "device_bytes", "device memory", "bytes", "At its peak.", NEITHER, 0);
+BB_TIMED(held_bytes, "held_bytes", "trees and layouts", "bytes",
+         "By their accounts, with scratch: the most at a time.", NEITHER, 0);
 
 /* ---- of a decision ---- */
 
-TEXT(value, "value", "value", "What was decided.");
-TEXT(by, "by", "by", "default, scene, tree or given.");
-TEXT(figure, "figure", "because", "The figure that it rests on.");
+BB_TEXT(value, "value", "value", "What was decided.");
+BB_TEXT(by, "by", "by", "default, scene, tree or given.");
+BB_TEXT(figure, "figure", "because", "The figure that it rests on.");
 
 /* ---- of a contender ---- */
 
-TEXT(state, "state", "state", "What became of it.");
-TEXT(pick, "pick", "pick", "chosen, fastest or least.");
-TEXT(reason, "reason", "more by", "Why the choice needs less.");
-TEXT(unfit, "unfit", "unfit", "Why it has no part in the race.");
-TEXT(limit_shown, "limit_shown", "limit shown",
-     "yes: the 95 % interval of its wrong rays ends at the tolerated rate or below.");
-TEXT(against, "against", "against", "The contender that the ratio is to.");
-COLUMN(BB_COLUMN_ROUNDS, BB_SENSE_TIMED, BB_BETTER_NEITHER, 3, ratio, "ratio", "ratio", "",
-       "Of its time to that of the fastest, or of who dropped it, paired round by round.");
-COLUMN(BB_COLUMN_ROUNDS, BB_SENSE_TIMED, BB_BETTER_LESS, 1, image_ms, "image_ms", "image", "ms",
-       "Build, layout and rays, in its last heat.");
-TIME(1, build_ms, "build_ms", "build", "ms", "Median, with boxes and transfer.");
-TIME(1, layout_ms, "layout_ms", "layout", "ms", "Median.");
-TIME(1, trace_ms, "trace_ms", "rays", "ms", "Median, of all rays.");
-LESS(0, wrong, "wrong", "wrong", "", "Wrong rays.");
-EXACT(0, checked, "checked", "judged", "", "Rays that were judged.");
-LESS(-1, wrong_ppm, "wrong_ppm_at_most", "wrong at most", "ppm", "95 %.");
-LESS(0, bytes, "bytes", "memory", "bytes", "Of tree, scratch and layout.");
-LESS(0, bytes_build, "bytes_build", "tree, scratch", "bytes", "Of the build, at its peak.");
-LESS(0, bytes_layout, "bytes_layout", "layout", "bytes", "What the kernel reads.");
-EXACT(0, code_bits, "code_bits", "code bits", "", "Of the code that the builder sorts by.");
-EXACT(0, stack_entries, "stack_entries", "stack", "", "Entries.");
-EXACT(0, kinds, "kinds", "kinds", "", "Of primitives, compiled in.");
+BB_TEXT(state, "state", "state", "What became of it.");
+BB_TEXT(pick, "pick", "pick", "chosen, fastest or least.");
+BB_TEXT(reason, "reason", "more by", "Why the choice needs less.");
+BB_TEXT(unfit, "unfit", "unfit", "Why it has no part in the race.");
+BB_TEXT(limit_shown, "limit_shown", "limit shown",
+        "yes: the 95 % interval of its wrong rays ends at the tolerated rate or below.");
+BB_TEXT(against, "against", "against", "The contender that the ratio is to.");
+BB_ROUNDS(ratio, "ratio", "ratio", "",
+          "Of its time to that of the fastest, or of who dropped it, paired round by round.",
+          NEITHER, 3);
+BB_ROUNDS(image_ms, "image_ms", "image", "ms", "Build, layout and rays, in its last heat.", LESS,
+          1);
+BB_TIMED(build_ms, "build_ms", "build", "ms", "Median, with boxes and transfer.", LESS, 1);
+BB_TIMED(layout_ms, "layout_ms", "layout", "ms", "Median.", LESS, 1);
+BB_TIMED(trace_ms, "trace_ms", "rays", "ms", "Median, of all rays.", LESS, 1);
+BB_EXACT(wrong, "wrong", "wrong", "", "Wrong rays.", LESS, 0);
+BB_EXACT(checked, "checked", "judged", "", "Rays that were judged.", NEITHER, 0);
+BB_EXACT(wrong_ppm, "wrong_ppm_at_most", "wrong at most", "ppm", "95 %.", LESS, -1);
+BB_EXACT(bytes, "bytes", "memory", "bytes", "Of tree, scratch and layout.", LESS, 0);
+BB_EXACT(bytes_build, "bytes_build", "tree, scratch", "bytes", "Of the build, at its peak.", LESS,
+         0);
+BB_EXACT(bytes_layout, "bytes_layout", "layout", "bytes", "What the kernel reads.", LESS, 0);
+BB_EXACT(code_bits, "code_bits", "code bits", "", "Of the code that the builder sorts by.", NEITHER,
+         0);
+BB_EXACT(stack_entries, "stack_entries", "stack", "", "Entries.", NEITHER, 0);
+BB_EXACT(kinds, "kinds", "kinds", "", "Of primitives, compiled in.", NEITHER, 0);
 
 /* ---- of a saving ---- */
 
-TEXT(left_out, "left_out", "left out", "The setting that the choice does not need.");
-TEXT(chosen, "chosen", "chosen", "The setting of the choice.");
-TEXT(generous, "generous", "instead of", "The generous setting.");
-EXACT(0, bytes_more, "bytes_more", "more memory", "bytes", "Than the choice takes.");
-EXACT(0, ray_bytes, "ray_bytes_more", "more per ray", "bytes", "Stack of each ray in flight.");
-COLUMN(BB_COLUMN_ROUNDS, BB_SENSE_TIMED, BB_BETTER_NEITHER, 1, ms_more, "ms_more", "more time",
-       "ms", "Than the choice takes, paired round by round.");
+BB_TEXT(left_out, "left_out", "left out", "The setting that the choice does not need.");
+BB_TEXT(chosen, "chosen", "chosen", "The setting of the choice.");
+BB_TEXT(generous, "generous", "instead of", "The generous setting.");
+BB_EXACT(bytes_more, "bytes_more", "more memory", "bytes", "Than the choice takes.", NEITHER, 0);
+BB_EXACT(ray_bytes, "ray_bytes_more", "more per ray", "bytes", "Stack of each ray in flight.",
+         NEITHER, 0);
+BB_ROUNDS(ms_more, "ms_more", "more time", "ms", "Than the choice takes, paired round by round.",
+          NEITHER, 1);
 
 const char *const bb_fates[BB_FATES] = {
     "raced to the end", "too slow",         "too wrong", "not measured",

@@ -11,120 +11,84 @@
 /* ---- columns ---- */
 
 /* Of a scene; of these `rays` of a frame, too. */
-static const bb_column view = BB_TEXT_COLUMN("view", "view", "Which rays start from.");
-static const bb_column test = BB_TEXT_COLUMN("intersector_used", "intersection tests", "By name.");
-static const bb_column first = BB_EXACT_COLUMN("first_frame", "first frame", "",
-                                               "Whose trees are built, for all alike.", NEITHER, 0);
-static const bb_column last =
-    BB_EXACT_COLUMN("last_frame", "last frame", "", "That was gone through.", NEITHER, 0);
-static const bb_column rounds = BB_EXACT_COLUMN("rounds", "rounds", "", "That count.", NEITHER, 0);
-static const bb_column ignored =
-    BB_EXACT_COLUMN("ignored", "parts of the file that were ignored", "",
-                    "Points, lines, channels that move nothing known.", NEITHER, 0);
-static const bb_column resized =
-    BB_EXACT_COLUMN("frames_resized", "frames with more or fewer primitives than before", "",
-                    "Their number.", NEITHER, 0);
-static const bb_column rebuilder =
-    BB_TEXT_COLUMN("faster_than", "faster: than",
-                   "The first method that builds each frame anew, if anything moves.");
-static const bb_column seconds =
-    BB_TIMED_COLUMN("seconds", "took", "s", "Everything, also what is not measured.", LESS, 1);
+BB_TEXT(view, "view", "view", "Which rays start from.");
+BB_TEXT(test, "intersector_used", "intersection tests", "By name.");
+BB_EXACT(first, "first_frame", "first frame", "", "Whose trees are built, for all alike.", NEITHER,
+         0);
+BB_EXACT(last, "last_frame", "last frame", "", "That was gone through.", NEITHER, 0);
+BB_EXACT(rounds, "rounds", "rounds", "", "That count.", NEITHER, 0);
+BB_EXACT(ignored, "ignored", "parts of the file that were ignored", "",
+         "Points, lines, channels that move nothing known.", NEITHER, 0);
+BB_EXACT(resized, "frames_resized", "frames with more or fewer primitives than before", "",
+         "Their number.", NEITHER, 0);
+BB_TEXT(rebuilder, "faster_than", "faster: than",
+        "The first method that builds each frame anew, if anything moves.");
+BB_TIMED(seconds, "seconds", "took", "s", "Everything, also what is not measured.", LESS, 1);
 
 /* Of a frame; of a scene, means. */
-static const bb_column prims =
-    BB_EXACT_COLUMN("primitives", "primitives", "", "Of the scene.", NEITHER, 0);
-static const bb_column moved =
-    BB_EXACT_COLUMN("moved_percent", "primitives that move", "%",
-                    "Of all: their boxes are others than in the frame before.", NEITHER, 1);
-static const bb_column moved_by =
-    BB_EXACT_COLUMN("moved_by", "by", "diagonals of the scene",
-                    "The median way of the middles of boxes that move.", NEITHER, -1);
-static const bb_column rays =
-    BB_EXACT_COLUMN("rays", "rays", "", "Of the frame; 0: the scene has none there.", NEITHER, 0);
-static const bb_column fresh = BB_EXACT_COLUMN(
-    "sah_fresh", "SAH", "", "Of the tree that this builder makes for the frame.", NEITHER, 2);
-static const bb_column fresh_best = BB_EXACT_COLUMN(
-    "sah_fresh_best", "best SAH", "", "The least of trees made for the frame.", NEITHER, 2);
-static const bb_column oracle =
-    BB_TIMED_COLUMN("oracle_ms", "oracle", "ms", "Making what judges the answers.", NEITHER, 1);
-static const bb_column judge =
-    BB_TIMED_COLUMN("judge_ms", "right answers", "ms", "Finding them.", NEITHER, 1);
+BB_EXACT(prims, "primitives", "primitives", "", "Of the scene.", NEITHER, 0);
+BB_EXACT(moved, "moved_percent", "primitives that move", "%",
+         "Of all: their boxes are others than in the frame before.", NEITHER, 1);
+BB_EXACT(moved_by, "moved_by", "by", "diagonals of the scene",
+         "The median way of the middles of boxes that move.", NEITHER, -1);
+BB_EXACT(rays, "rays", "rays", "", "Of the frame; 0: the scene has none there.", NEITHER, 0);
+BB_EXACT(fresh, "sah_fresh", "SAH", "", "Of the tree that this builder makes for the frame.",
+         NEITHER, 2);
+BB_EXACT(fresh_best, "sah_fresh_best", "best SAH", "", "The least of trees made for the frame.",
+         NEITHER, 2);
+BB_TIMED(oracle, "oracle_ms", "oracle", "ms", "Making what judges the answers.", NEITHER, 1);
+BB_TIMED(judge, "judge_ms", "right answers", "ms", "Finding them.", NEITHER, 1);
 
 /* Of a method in a frame; of a method, means over all frames but the first. */
-static const bb_column build =
-    BB_ROUNDS_COLUMN("build_ms", "build", "ms", "Building the tree of the first frame.", LESS, 3);
-static const bb_column update =
-    BB_ROUNDS_COLUMN("update_ms", "update", "ms", "The tree's, or building it anew.", LESS, 3);
-static const bb_column update_cpu =
-    BB_ROUNDS_COLUMN("update_cpu_ms", "update CPU", "ms", "Processor time of an update.", LESS, 3);
-static const bb_column transfer = BB_ROUNDS_COLUMN(
-    "transfer_ms", "transfer", "ms", "Of a tree from the host to the device.", LESS, 3);
-static const bb_column way = BB_TEXT_COLUMN("way", "tree", "kept, updated or rebuilt.");
-static const bb_column sah =
-    BB_EXACT_COLUMN("sah", "SAH", "", "Surface area heuristic of the tree.", LESS, 2);
-static const bb_column over_best =
-    BB_EXACT_COLUMN("sah_over_best", "SAH / fresh", "",
-                    "Over the least of trees made for the same frame.", LESS, 3);
-static const bb_column nodes = BB_EXACT_COLUMN("nodes", "nodes", "", "Of the tree.", LESS, 0);
-static const bb_column depth = BB_EXACT_COLUMN("depth", "depth", "", "Of the tree.", LESS, 0);
-static const bb_column tree_bytes =
-    BB_EXACT_COLUMN("tree_bytes", "tree", "bytes", "Of the tree.", LESS, 0);
-static const bb_column phase =
-    BB_ROUNDS_COLUMN("phase_ms", "phase", "ms", "A phase of the update.", NEITHER, 3);
-static const bb_column events =
-    BB_EXACT_COLUMN("events", "events", "", "That the builder counted.", NEITHER, 0);
-static const bb_column layout =
-    BB_ROUNDS_COLUMN("layout_ms", "layout", "ms", "Making or following it.", LESS, 3);
-static const bb_column in_place =
-    BB_EXACT_COLUMN("in_place", "in place", "",
-                    "Frames whose layout followed without being numbered anew.", NEITHER, 0);
-static const bb_column wrong =
-    BB_EXACT_COLUMN("wrong", "wrong", "", "Answers in the frame.", LESS, 0);
-static const bb_column trace =
-    BB_ROUNDS_COLUMN("trace_ms", "tracing", "ms", "All rays of a frame.", LESS, 3);
+BB_ROUNDS(build, "build_ms", "build", "ms", "Building the tree of the first frame.", LESS, 3);
+BB_ROUNDS(update, "update_ms", "update", "ms", "The tree's, or building it anew.", LESS, 3);
+BB_ROUNDS(update_cpu, "update_cpu_ms", "update CPU", "ms", "Processor time of an update.", LESS, 3);
+BB_ROUNDS(transfer, "transfer_ms", "transfer", "ms", "Of a tree from the host to the device.", LESS,
+          3);
+BB_TEXT(way, "way", "tree", "kept, updated or rebuilt.");
+BB_EXACT(sah, "sah", "SAH", "", "Surface area heuristic of the tree.", LESS, 2);
+BB_EXACT(over_best, "sah_over_best", "SAH / fresh", "",
+         "Over the least of trees made for the same frame.", LESS, 3);
+BB_EXACT(nodes, "nodes", "nodes", "", "Of the tree.", LESS, 0);
+BB_EXACT(depth, "depth", "depth", "", "Of the tree.", LESS, 0);
+BB_EXACT(tree_bytes, "tree_bytes", "tree", "bytes", "Of the tree.", LESS, 0);
+BB_ROUNDS(phase, "phase_ms", "phase", "ms", "A phase of the update.", NEITHER, 3);
+BB_EXACT(events, "events", "events", "", "That the builder counted.", NEITHER, 0);
+BB_ROUNDS(layout, "layout_ms", "layout", "ms", "Making or following it.", LESS, 3);
+BB_EXACT(in_place, "in_place", "in place", "",
+         "Frames whose layout followed without being numbered anew.", NEITHER, 0);
+BB_EXACT(wrong, "wrong", "wrong", "", "Answers in the frame.", LESS, 0);
+BB_ROUNDS(trace, "trace_ms", "tracing", "ms", "All rays of a frame.", LESS, 3);
 
 /* Of a method alone. */
-static const bb_column worst_ms =
-    BB_TIMED_COLUMN("worst_update_ms", "worst update", "ms", "Of all frames.", LESS, 3);
-static const bb_column worst_frame =
-    BB_TIMED_COLUMN("worst_frame", "in frame", "", "Whose update was the worst.", NEITHER, 0);
-static const bb_column over_best_most =
-    BB_EXACT_COLUMN("sah_over_best_most", "most", "", "SAH / fresh in the worst frame.", LESS, 3);
-static const bb_column over_fresh_most =
-    BB_EXACT_COLUMN("sah_over_fresh_most", "most SAH / fresh", "",
-                    "Over this builder's trees, in the worst frame.", LESS, 3);
-static const bb_column drift =
-    BB_EXACT_COLUMN("drift_per_frame", "drift", "", "Slope of SAH / fresh, per frame.", NEITHER, 4);
+BB_TIMED(worst_ms, "worst_update_ms", "worst update", "ms", "Of all frames.", LESS, 3);
+BB_TIMED(worst_frame, "worst_frame", "in frame", "", "Whose update was the worst.", NEITHER, 0);
+BB_EXACT(over_best_most, "sah_over_best_most", "most", "", "SAH / fresh in the worst frame.", LESS,
+         3);
+BB_EXACT(over_fresh_most, "sah_over_fresh_most", "most SAH / fresh", "",
+         "Over this builder's trees, in the worst frame.", LESS, 3);
+BB_EXACT(drift, "drift_per_frame", "drift", "", "Slope of SAH / fresh, per frame.", NEITHER, 4);
 static const bb_column ways[] = {
     [BB_KEPT] = BB_EXACT_COLUMN("frames_kept", "kept", "", "Frames.", NEITHER, 0),
     [BB_UPDATED] = BB_EXACT_COLUMN("frames_updated", "updated", "", "Frames.", NEITHER, 0),
     [BB_REBUILT] = BB_EXACT_COLUMN("frames_rebuilt", "rebuilt", "", "Frames.", NEITHER, 0),
 };
-static const bb_column bytes =
-    BB_EXACT_COLUMN("bytes", "most memory", "bytes", "Of trees, scratch and layouts.", LESS, 0);
-static const bb_column status =
-    BB_TEXT_COLUMN("status", "status", "Refused; failed: a fault; or nothing.");
-static const bb_column refused =
-    BB_TEXT_COLUMN("refused", "refused", "Why there are no figures from some frame on.");
-static const bb_column answers =
-    BB_EXACT_COLUMN("answers", "answers", "", "That were judged, in all frames.", NEITHER, 0);
-static const bb_column all_wrong =
-    BB_EXACT_COLUMN("wrong_answers", "wrong", "", "In all frames.", NEITHER, 0);
-static const bb_column speed =
-    BB_TIMED_COLUMN("mrays_per_s", "M/s", "",
-                    "Millions of rays per second, over all frames but the first.", MORE, 3);
+BB_EXACT(bytes, "bytes", "most memory", "bytes", "Of trees, scratch and layouts.", LESS, 0);
+BB_TEXT(status, "status", "status", "Refused; failed: a fault; or nothing.");
+BB_TEXT(refused, "refused", "refused", "Why there are no figures from some frame on.");
+BB_EXACT(answers, "answers", "answers", "", "That were judged, in all frames.", NEITHER, 0);
+BB_EXACT(all_wrong, "wrong_answers", "wrong", "", "In all frames.", NEITHER, 0);
+BB_TIMED(speed, "mrays_per_s", "M/s", "",
+         "Millions of rays per second, over all frames but the first.", MORE, 3);
 
 /* Of a frame with so many rays of a kind. */
-static const bb_column frame_ms =
-    BB_TIMED_COLUMN("frame_ms", "frame", "ms",
-                    "Update, transfer, layout and tracing, by the method's best kernel.", LESS, 3);
-static const bb_column least_ms =
-    BB_TIMED_COLUMN("least_frame_ms", "frame", "ms", "By the fastest method and kernel.", LESS, 3);
-static const bb_column winner = BB_TEXT_COLUMN("fastest", "fastest", "Method and kernel.");
-static const bb_column as_fast =
-    BB_TEXT_COLUMN("as_fast", "as fast", "Methods that the fastest is not faster than.");
-static const bb_column faster_for =
-    BB_TEXT_COLUMN("faster_for", "faster for", "Rays per frame: see \"faster_than\" of the scene.");
+BB_TIMED(frame_ms, "frame_ms", "frame", "ms",
+         "Update, transfer, layout and tracing, by the method's best kernel.", LESS, 3);
+BB_TIMED(least_ms, "least_frame_ms", "frame", "ms", "By the fastest method and kernel.", LESS, 3);
+BB_TEXT(winner, "fastest", "fastest", "Method and kernel.");
+BB_TEXT(as_fast, "as_fast", "as fast", "Methods that the fastest is not faster than.");
+BB_TEXT(faster_for, "faster_for", "faster for",
+        "Rays per frame: see \"faster_than\" of the scene.");
 
 /* ---- rounds ---- */
 

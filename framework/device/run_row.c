@@ -12,36 +12,36 @@
 /* Generated at build time. */
 extern const char bb_build_revision[], bb_build_version[], bb_build_flags[];
 
-#define COLUMN_OF(sense, decimals, id, kind, name, heading, help)                                  \
-    const bb_column id = {name,  heading,           "",      help, BB_COLUMN_##kind,               \
-                          sense, BB_BETTER_NEITHER, decimals}
-#define COLUMN(...) COLUMN_OF(BB_SENSE_EXACT, 0, __VA_ARGS__)
-#define COLUMN_OF_CLOCKS(...) COLUMN_OF(BB_SENSE_TIMED, 2, __VA_ARGS__)
-
-static COLUMN_OF_CLOCKS(date, TEXT, "date", "Date", "When the run began, UTC.");
-static COLUMN(revision, TEXT, "revision", "Revision", "The program's revision.");
-static COLUMN(version, TEXT, "version", "Version", "The program's version.");
-COLUMN(bb_run_host, TEXT, "host", "Host", "The machine's name.");
-static COLUMN(cpu, TEXT, "cpu", "Processor", "The machine's processor.");
-static COLUMN(threads, NUMBER, "cpu_threads", "Threads", "Of the processor.");
-static COLUMN_OF_CLOCKS(load_1, NUMBER, "load_1", "Load, 1 min", "Before the run.");
-static COLUMN_OF_CLOCKS(load_5, NUMBER, "load_5", "Load, 5 min", "Before the run.");
-static COLUMN_OF_CLOCKS(load_15, NUMBER, "load_15", "Load, 15 min", "Before the run.");
-COLUMN(bb_run_device, TEXT, "device", "Device", "The OpenCL device.");
-static COLUMN(type, TEXT, "device_type", "Device type", "CPU, or GPU for all other devices.");
-COLUMN(bb_run_driver, TEXT, "driver", "Driver", "The OpenCL driver's version.");
-static COLUMN(opencl, TEXT, "opencl", "OpenCL", "The OpenCL version of the device.");
-static COLUMN(units, NUMBER, "compute_units", "Compute units", "Of the device.");
-static COLUMN(floats, TEXT, "float_config", "Floats of the device", "In OpenCL's words.");
-static COLUMN(handover, TEXT, "handover", "Handover", "How work-groups hand over data.");
-static COLUMN(messages, NUMBER, "litmus_messages", "Litmus messages",
-              "That the fence was tested by.");
-static COLUMN(stale, NUMBER, "litmus_stale", "Stale", "Of the messages.");
-static COLUMN(kernels, TEXT, "kernels", "Kernels", "Where the device code comes from.");
-static COLUMN(flags, TEXT, "build_flags", "Build flags", "How the program was compiled.");
-static COLUMN(seed_column, TEXT, "seed", "Seed", "The random seed.");
-static COLUMN(command_column, TEXT, "command", "Command", "The command line.");
-COLUMN(bb_run_interrupted, TEXT, "interrupted", "Interrupted", "yes: not all was measured.");
+static const bb_column date = {.name = "date",
+                               .heading = "Date",
+                               .unit = "",
+                               .help = "When the run began, UTC.",
+                               .kind = BB_COLUMN_TEXT,
+                               .sense = BB_SENSE_TIMED};
+BB_TEXT(revision, "revision", "Revision", "The program's revision.");
+BB_TEXT(version, "version", "Version", "The program's version.");
+const bb_column bb_run_host = BB_TEXT_COLUMN("host", "Host", "The machine's name.");
+BB_TEXT(cpu, "cpu", "Processor", "The machine's processor.");
+BB_EXACT(threads, "cpu_threads", "Threads", "", "Of the processor.", NEITHER, 0);
+BB_TIMED(load_1, "load_1", "Load, 1 min", "", "Before the run.", NEITHER, 2);
+BB_TIMED(load_5, "load_5", "Load, 5 min", "", "Before the run.", NEITHER, 2);
+BB_TIMED(load_15, "load_15", "Load, 15 min", "", "Before the run.", NEITHER, 2);
+const bb_column bb_run_device = BB_TEXT_COLUMN("device", "Device", "The OpenCL device.");
+BB_TEXT(type, "device_type", "Device type", "CPU, or GPU for all other devices.");
+const bb_column bb_run_driver = BB_TEXT_COLUMN("driver", "Driver", "The OpenCL driver's version.");
+BB_TEXT(opencl, "opencl", "OpenCL", "The OpenCL version of the device.");
+BB_EXACT(units, "compute_units", "Compute units", "", "Of the device.", NEITHER, 0);
+BB_TEXT(floats, "float_config", "Floats of the device", "In OpenCL's words.");
+BB_TEXT(handover, "handover", "Handover", "How work-groups hand over data.");
+BB_EXACT(messages, "litmus_messages", "Litmus messages", "", "That the fence was tested by.",
+         NEITHER, 0);
+BB_EXACT(stale, "litmus_stale", "Stale", "", "Of the messages.", NEITHER, 0);
+BB_TEXT(kernels, "kernels", "Kernels", "Where the device code comes from.");
+BB_TEXT(flags, "build_flags", "Build flags", "How the program was compiled.");
+BB_TEXT(seed_column, "seed", "Seed", "The random seed.");
+BB_TEXT(command_column, "command", "Command", "The command line.");
+const bb_column bb_run_interrupted =
+    BB_TEXT_COLUMN("interrupted", "Interrupted", "yes: not all was measured.");
 
 static void read_cpu(char *name, size_t capacity)
 {

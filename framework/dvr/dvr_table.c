@@ -5,51 +5,37 @@
 #include <stdio.h>
 
 /* Of the run; the step of a row of accuracy, too. */
-static const bb_column step =
-    BB_EXACT_COLUMN("step", "step", "", "Distance of samples, by the step's unit.", NEITHER, -1);
-static const bb_column cutoff = BB_EXACT_COLUMN(
-    "cutoff", "cutoff", "", "A ray ends where less light than this is left.", NEITHER, -1);
+BB_EXACT(step, "step", "step", "", "Distance of samples, by the step's unit.", NEITHER, -1);
+BB_EXACT(cutoff, "cutoff", "cutoff", "", "A ray ends where less light than this is left.", NEITHER,
+         -1);
 
 /* Of a scene. */
-static const bb_column transfer = BB_TEXT_COLUMN("transfer", "transfer function", "Its name.");
-static const bb_column voxels = BB_TEXT_COLUMN("voxels", "voxels", "Along each axis.");
-static const bb_column bits = BB_EXACT_COLUMN("bits", "bits", "", "Of a voxel.", NEITHER, 0);
-static const bb_column side =
-    BB_EXACT_COLUMN("brick_side", "brick side", "", "In cells.", NEITHER, 0);
-static const bb_column bricks =
-    BB_EXACT_COLUMN("bricks", "bricks", "", "Of the volume.", NEITHER, 0);
-static const bb_column seen =
-    BB_EXACT_COLUMN("bricks_seen", "bricks seen", "", "Through the transfer function.", NEITHER, 0);
-static const bb_column seen_part =
-    BB_EXACT_COLUMN("bricks_seen_percent", "seen", "%", "Of all bricks.", NEITHER, 2);
-static const bb_column volume_bytes =
-    BB_EXACT_COLUMN("volume_bytes", "all bricks", "bytes", "Of all bricks.", NEITHER, 0);
-static const bb_column copy = BB_ROUNDS_COLUMN("copy_ms", "a copy of all bricks", "ms",
-                                               "From one buffer to another.", LESS, 3);
-static const bb_column copy_rate = BB_TIMED_COLUMN(
-    "copy_gb_per_s", "copied at", "GB/s", "All bricks by the time of their copy.", MORE, 1);
-static const bb_column vertices =
-    BB_EXACT_COLUMN("vertices", "vertices", "", "Of the mesh.", NEITHER, 0);
-static const bb_column unit = BB_TEXT_COLUMN("step_unit", "unit of steps", "What a step of 1 is.");
-static const bb_column pictures =
-    BB_EXACT_COLUMN("pictures", "pictures", "", "Of each way.", NEITHER, 0);
-static const bb_column pixels =
-    BB_EXACT_COLUMN("pixels", "pixels", "", "Of all pictures.", NEITHER, 0);
-static const bb_column compared_by =
-    BB_TEXT_COLUMN("compared_by", "compared by", "The program that compared as well.");
-static const bb_column converged =
-    BB_EXACT_COLUMN("converged_to", "converged to", "",
-                    "How far twice the reference's step is from it.", NEITHER, -1);
+BB_TEXT(transfer, "transfer", "transfer function", "Its name.");
+BB_TEXT(voxels, "voxels", "voxels", "Along each axis.");
+BB_EXACT(bits, "bits", "bits", "", "Of a voxel.", NEITHER, 0);
+BB_EXACT(side, "brick_side", "brick side", "", "In cells.", NEITHER, 0);
+BB_EXACT(bricks, "bricks", "bricks", "", "Of the volume.", NEITHER, 0);
+BB_EXACT(seen, "bricks_seen", "bricks seen", "", "Through the transfer function.", NEITHER, 0);
+BB_EXACT(seen_part, "bricks_seen_percent", "seen", "%", "Of all bricks.", NEITHER, 2);
+BB_EXACT(volume_bytes, "volume_bytes", "all bricks", "bytes", "Of all bricks.", NEITHER, 0);
+BB_ROUNDS(copy, "copy_ms", "a copy of all bricks", "ms", "From one buffer to another.", LESS, 3);
+BB_TIMED(copy_rate, "copy_gb_per_s", "copied at", "GB/s", "All bricks by the time of their copy.",
+         MORE, 1);
+BB_EXACT(vertices, "vertices", "vertices", "", "Of the mesh.", NEITHER, 0);
+BB_TEXT(unit, "step_unit", "unit of steps", "What a step of 1 is.");
+BB_EXACT(pictures, "pictures", "pictures", "", "Of each way.", NEITHER, 0);
+BB_EXACT(pixels, "pixels", "pixels", "", "Of all pictures.", NEITHER, 0);
+BB_TEXT(compared_by, "compared_by", "compared by", "The program that compared as well.");
+BB_EXACT(converged, "converged_to", "converged to", "",
+         "How far twice the reference's step is from it.", NEITHER, -1);
 
 /* Of a step: the accuracy. */
-static const bb_column largest_error = BB_EXACT_COLUMN("largest_error", "largest error", "",
-                                                       "Of a channel in all pictures.", LESS, -1);
-static const bb_column rms_error =
-    BB_EXACT_COLUMN("rms_error", "RMS error", "", "Over all channels and pictures.", LESS, -1);
-static const bb_column samples =
-    BB_EXACT_COLUMN("samples_per_ray", "samples", "", "Per ray.", NEITHER, 1);
-static const bb_column picture_ms = BB_ROUNDS_COLUMN("picture_ms", "last picture", "ms",
-                                                     "By the first builder and kernel.", LESS, 2);
+BB_EXACT(largest_error, "largest_error", "largest error", "", "Of a channel in all pictures.", LESS,
+         -1);
+BB_EXACT(rms_error, "rms_error", "RMS error", "", "Over all channels and pictures.", LESS, -1);
+BB_EXACT(samples, "samples_per_ray", "samples", "", "Per ray.", NEITHER, 1);
+BB_ROUNDS(picture_ms, "picture_ms", "last picture", "ms", "By the first builder and kernel.", LESS,
+          2);
 
 #define OUTLINE .command = "volume", .title = "bvhbench: pictures of volumes"
 

@@ -106,14 +106,11 @@ void bb_audit_total(bb_audit *audit, double build_ms, double trace_ms, double st
             build_ms, trace_ms, steps_ms, total_ms);
 }
 
-static const bb_column timings =
-    BB_TIMED_COLUMN("timings", "Timings checked", "", "By a second clock.", NEITHER, 0);
-static const bb_column complaints = BB_TIMED_COLUMN("clock_complaints", "Contradictions of clocks",
-                                                    "", "Of these timings.", NEITHER, 0);
-static const bb_column complaint =
-    BB_TEXT_COLUMN("clock_complaint", "First contradiction", "In words.");
-static const bb_column others = BB_TIMED_COLUMN("busy_processors", "Processors kept busy", "",
-                                                "By other programs.", NEITHER, 2);
+BB_TIMED(timings, "timings", "Timings checked", "", "By a second clock.", NEITHER, 0);
+BB_TIMED(complaints, "clock_complaints", "Contradictions of clocks", "", "Of these timings.",
+         NEITHER, 0);
+BB_TEXT(complaint, "clock_complaint", "First contradiction", "In words.");
+BB_TIMED(others, "busy_processors", "Processors kept busy", "", "By other programs.", NEITHER, 2);
 
 void bb_audit_fill(const bb_audit *audit, const bb_bystanders *watch, bb_table *table)
 {

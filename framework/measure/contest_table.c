@@ -14,48 +14,38 @@ const bb_column bb_column_field = BB_TEXT_COLUMN("field", "field", "Whose values
 const bb_column bb_column_picture =
     BB_TEXT_COLUMN("picture", "picture", "PNG file beside this one.");
 
-static const bb_column refused =
-    BB_TEXT_COLUMN("refused", "refused", "Why the way has no figures.");
-static const bb_column status = BB_TEXT_COLUMN("status", "status", "Refused, or nothing.");
-static const bb_column build =
-    BB_ROUNDS_COLUMN("build_ms", "build", "ms", "Building the tree.", LESS, 2);
-static const bb_column layout =
-    BB_ROUNDS_COLUMN("layout_ms", "layout", "ms",
-                     "Layout, and transfer of a tree that was made on the host.", LESS, 2);
-static const bb_column answer = BB_ROUNDS_COLUMN(
-    "answer_ms", "answer", "ms", "An answer, such as a slice or a picture.", LESS, 2);
-static const bb_column answer_cpu =
-    BB_ROUNDS_COLUMN("answer_cpu_ms", "answer CPU", "ms", "Processor time of an answer.", LESS, 2);
-static const bb_column phase =
-    BB_ROUNDS_COLUMN("phase_ms", "phase", "ms", "A phase of the build, timed apart.", NEITHER, 3);
-static const bb_column speed = BB_TIMED_COLUMN(
-    "mitems_per_s", "M/s", "", "Millions of items, such as voxels, answered per second.", MORE, 3);
-static const bb_column visits =
-    BB_EXACT_COLUMN("nodes_per_item", "nodes", "", "Nodes visited per item.", LESS, 1);
-static const bb_column work = BB_EXACT_COLUMN(
-    "tests_per_item", "tests", "", "Primitives tested, or samples taken, per item.", LESS, 2);
-static const bb_column differ = BB_EXACT_COLUMN(
-    "differ", "differ", "", "Items whose answers differ from those of the first way.", NEITHER, 0);
-static const bb_column samples_rate = BB_TIMED_COLUMN("msamples_per_s", "samples M/s", "",
-                                                      "Millions of samples per second.", MORE, 2);
-static const bb_column difference =
-    BB_EXACT_COLUMN("largest_difference", "largest difference", "",
-                    "Of a channel, from the first way.", NEITHER, -1);
-static const bb_column difference_8 =
-    BB_EXACT_COLUMN("largest_difference_8_bits", "in 8 bits", "",
-                    "The largest difference, in steps of 1/255.", NEITHER, 0);
-static const bb_column nodes = BB_EXACT_COLUMN("nodes", "nodes", "", "Of the tree.", LESS, 0);
-static const bb_column leaves = BB_EXACT_COLUMN("leaves", "leaves", "", "Of the tree.", NEITHER, 0);
-static const bb_column references =
-    BB_EXACT_COLUMN("references", "references", "", "Of the tree's leaves to primitives.", LESS, 0);
-static const bb_column per_primitive = BB_EXACT_COLUMN(
-    "references_per_primitive", "references per primitive", "", "Of the tree.", LESS, 2);
-static const bb_column tree_bytes =
-    BB_EXACT_COLUMN("tree_bytes", "tree", "bytes", "Of the tree.", LESS, 0);
-static const bb_column bytes = BB_EXACT_COLUMN(
-    "bytes", "most memory", "bytes", "Of tree and scratch at most, and of the layout.", LESS, 0);
+BB_TEXT(refused, "refused", "refused", "Why the way has no figures.");
+BB_TEXT(status, "status", "status", "Refused, or nothing.");
+BB_ROUNDS(build, "build_ms", "build", "ms", "Building the tree.", LESS, 2);
+BB_ROUNDS(layout, "layout_ms", "layout", "ms",
+          "Layout, and transfer of a tree that was made on the host.", LESS, 2);
+BB_ROUNDS(answer, "answer_ms", "answer", "ms", "An answer, such as a slice or a picture.", LESS, 2);
+BB_ROUNDS(answer_cpu, "answer_cpu_ms", "answer CPU", "ms", "Processor time of an answer.", LESS, 2);
+BB_ROUNDS(phase, "phase_ms", "phase", "ms", "A phase of the build, timed apart.", NEITHER, 3);
+BB_TIMED(speed, "mitems_per_s", "M/s", "",
+         "Millions of items, such as voxels, answered per second.", MORE, 3);
+BB_EXACT(visits, "nodes_per_item", "nodes", "", "Nodes visited per item.", LESS, 1);
+BB_EXACT(work, "tests_per_item", "tests", "", "Primitives tested, or samples taken, per item.",
+         LESS, 2);
+BB_EXACT(differ, "differ", "differ", "", "Items whose answers differ from those of the first way.",
+         NEITHER, 0);
+BB_TIMED(samples_rate, "msamples_per_s", "samples M/s", "", "Millions of samples per second.", MORE,
+         2);
+BB_EXACT(difference, "largest_difference", "largest difference", "",
+         "Of a channel, from the first way.", NEITHER, -1);
+BB_EXACT(difference_8, "largest_difference_8_bits", "in 8 bits", "",
+         "The largest difference, in steps of 1/255.", NEITHER, 0);
+BB_EXACT(nodes, "nodes", "nodes", "", "Of the tree.", LESS, 0);
+BB_EXACT(leaves, "leaves", "leaves", "", "Of the tree.", NEITHER, 0);
+BB_EXACT(references, "references", "references", "", "Of the tree's leaves to primitives.", LESS,
+         0);
+BB_EXACT(per_primitive, "references_per_primitive", "references per primitive", "", "Of the tree.",
+         LESS, 2);
+BB_EXACT(tree_bytes, "tree_bytes", "tree", "bytes", "Of the tree.", LESS, 0);
+BB_EXACT(bytes, "bytes", "most memory", "bytes", "Of tree and scratch at most, and of the layout.",
+         LESS, 0);
 
-static const bb_column rounds = BB_EXACT_COLUMN("rounds", "rounds", "", "That count.", NEITHER, 0);
+BB_EXACT(rounds, "rounds", "rounds", "", "That count.", NEITHER, 0);
 
 static const bb_axes axes = {BB_DRAW_BARS, "ms", "", false, false};
 static const bb_axes by_step = {BB_DRAW_LINES, "step", "error of a channel", true, true};

@@ -48,10 +48,8 @@ static bb_status see(void *self, uint32_t direction, const void *first, uint32_t
 
 /* ---- as rows of a table ---- */
 
-static const bb_column flat = BB_EXACT_COLUMN("flat_tetrahedra", "without a volume", "",
-                                              "Tetrahedra of the mesh.", NEITHER, 0);
-static const bb_column meeting =
-    BB_EXACT_COLUMN("meeting", "meet the other mesh", "", "Tetrahedra of the mesh.", NEITHER, 0);
+BB_EXACT(flat, "flat_tetrahedra", "without a volume", "", "Tetrahedra of the mesh.", NEITHER, 0);
+BB_EXACT(meeting, "meeting", "meet the other mesh", "", "Tetrahedra of the mesh.", NEITHER, 0);
 
 const bb_page_outline bb_overlap_outline = {
     .command = "overlap",

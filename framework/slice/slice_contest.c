@@ -91,25 +91,18 @@ static bb_status see(void *self, uint32_t number, const void *first, uint32_t it
 
 /* ---- as rows of a table ---- */
 
-static const bb_column axis = BB_TEXT_COLUMN("axis", "across", "Across which axis slices lie.");
-static const bb_column width =
-    BB_EXACT_COLUMN("width", "width", "", "Of a slice, in voxels.", NEITHER, 0);
-static const bb_column height =
-    BB_EXACT_COLUMN("height", "height", "", "Of a slice, in voxels.", NEITHER, 0);
-static const bb_column slices = BB_EXACT_COLUMN("slices", "slices", "", "How many.", NEITHER, 0);
-static const bb_column thickness =
-    BB_EXACT_COLUMN("thickness", "thickness", "", "Of a slice, in scene units.", NEITHER, -1);
-static const bb_column voxels =
-    BB_EXACT_COLUMN("voxels", "voxels", "", "Of all slices.", NEITHER, 0);
-static const bb_column filled =
-    BB_EXACT_COLUMN("voxels_filled", "voxels with material", "", "Of all slices.", NEITHER, 0);
-static const bb_column filled_part =
-    BB_EXACT_COLUMN("filled_percent", "with material", "%", "Of all voxels.", NEITHER, 1);
-static const bb_column extended =
-    BB_EXACT_COLUMN("voxels_extended", "voxels by a tetrahedron beside the centre", "",
-                    "Of all slices.", NEITHER, 0);
-static const bb_column extended_part = BB_EXACT_COLUMN(
-    "extended_percent", "by a tetrahedron beside the centre", "%", "Of all voxels.", NEITHER, 1);
+BB_TEXT(axis, "axis", "across", "Across which axis slices lie.");
+BB_EXACT(width, "width", "width", "", "Of a slice, in voxels.", NEITHER, 0);
+BB_EXACT(height, "height", "height", "", "Of a slice, in voxels.", NEITHER, 0);
+BB_EXACT(slices, "slices", "slices", "", "How many.", NEITHER, 0);
+BB_EXACT(thickness, "thickness", "thickness", "", "Of a slice, in scene units.", NEITHER, -1);
+BB_EXACT(voxels, "voxels", "voxels", "", "Of all slices.", NEITHER, 0);
+BB_EXACT(filled, "voxels_filled", "voxels with material", "", "Of all slices.", NEITHER, 0);
+BB_EXACT(filled_part, "filled_percent", "with material", "%", "Of all voxels.", NEITHER, 1);
+BB_EXACT(extended, "voxels_extended", "voxels by a tetrahedron beside the centre", "",
+         "Of all slices.", NEITHER, 0);
+BB_EXACT(extended_part, "extended_percent", "by a tetrahedron beside the centre", "%",
+         "Of all voxels.", NEITHER, 1);
 
 const bb_page_outline bb_slice_outline = {
     .command = "slice",

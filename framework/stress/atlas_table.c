@@ -7,59 +7,53 @@
 #include <stdio.h>
 #include <string.h>
 
-#define COLUMN(id, name, heading, unit, help, kind)                                                \
-    static const bb_column id = {name,           heading,           unit, help, BB_COLUMN_##kind,  \
-                                 BB_SENSE_EXACT, BB_BETTER_NEITHER, -1}
-
 /* ---- of the run ---- */
 
-COLUMN(quick, "quick", "quick", "", "yes: few values, small scenes, times not judged.", TEXT);
-COLUMN(rays_per_set, "rays_per_set", "rays a set", "", "At most.", NUMBER);
-COLUMN(rounds, "rounds", "rounds", "", "Of which the least time counts.", NUMBER);
-COLUMN(factor, "factor", "factor", "", "Slower and bigger: by more than this.", NUMBER);
-COLUMN(bugs, "bugs", "bugs", "", "Crashes, hangs, failures, wrong answers of exact methods.",
-       NUMBER);
-COLUMN(metric, "metric_of_trees", "metric", "", "What the cost of trees is.", TEXT);
-static const bb_column total_ms = {
-    "total_ms",       "total",        "ms",           "Wall time of the run.",
-    BB_COLUMN_NUMBER, BB_SENSE_TIMED, BB_BETTER_LESS, -1};
+BB_TEXT(quick, "quick", "quick", "yes: few values, small scenes, times not judged.");
+BB_EXACT(rays_per_set, "rays_per_set", "rays a set", "", "At most.", NEITHER, -1);
+BB_EXACT(rounds, "rounds", "rounds", "", "Of which the least time counts.", NEITHER, -1);
+BB_EXACT(factor, "factor", "factor", "", "Slower and bigger: by more than this.", NEITHER, -1);
+BB_EXACT(bugs, "bugs", "bugs", "", "Crashes, hangs, failures, wrong answers of exact methods.",
+         NEITHER, -1);
+BB_TEXT(metric, "metric_of_trees", "metric", "What the cost of trees is.");
+BB_TIMED(total_ms, "total_ms", "total", "ms", "Wall time of the run.", LESS, -1);
 
 /* ---- of a method ---- */
 
-COLUMN(part, "part", "part", "", "builder, kernel or intersector.", TEXT);
-COLUMN(exact, "exact", "exact", "", "yes: it must never be wrong.", TEXT);
+BB_TEXT(part, "part", "part", "builder, kernel or intersector.");
+BB_TEXT(exact, "exact", "exact", "yes: it must never be wrong.");
 
 /* ---- of an axis ---- */
 
-COLUMN(title, "title", "title", "", "What the axis is about.", TEXT);
-COLUMN(parameter, "parameter", "parameter", "", "What x is.", TEXT);
-COLUMN(why, "why", "why", "", "What fails on it, and why.", TEXT);
-COLUMN(known, "known", "known limit", "", "Where wrong answers are documented.", TEXT);
-COLUMN(family, "family", "scene", "", "The scene, by x and n.", TEXT);
-COLUMN(rays, "ray_families", "rays", "", "The ray sets, by x and n, between blanks.", TEXT);
-COLUMN(builder, "traced_tree", "tree", "", "Builder of the trees that kernels trace.", TEXT);
-COLUMN(kernel, "traced_by", "kernel", "", "What traces the builders' trees.", TEXT);
-COLUMN(from, "from", "from", "", "x where all is normal.", NUMBER);
-COLUMN(to, "to", "to", "", "x where it is worst.", NUMBER);
-COLUMN(steps, "steps", "steps", "", "log, linear, whole or count.", TEXT);
-COLUMN(n, "n", "n", "", "Primitives.", NUMBER);
-COLUMN(frames, "frames", "frames", "", "Of moving scenes.", NUMBER);
-COLUMN(picture, "picture", "picture", "", "A file beside this one.", TEXT);
-COLUMN(picture_at, "picture_at", "picture at", "", "x of the picture.", NUMBER);
-COLUMN(complete, "complete", "complete", "", "no: the run was interrupted.", TEXT);
+BB_TEXT(title, "title", "title", "What the axis is about.");
+BB_TEXT(parameter, "parameter", "parameter", "What x is.");
+BB_TEXT(why, "why", "why", "What fails on it, and why.");
+BB_TEXT(known, "known", "known limit", "Where wrong answers are documented.");
+BB_TEXT(family, "family", "scene", "The scene, by x and n.");
+BB_TEXT(rays, "ray_families", "rays", "The ray sets, by x and n, between blanks.");
+BB_TEXT(builder, "traced_tree", "tree", "Builder of the trees that kernels trace.");
+BB_TEXT(kernel, "traced_by", "kernel", "What traces the builders' trees.");
+BB_EXACT(from, "from", "from", "", "x where all is normal.", NEITHER, -1);
+BB_EXACT(to, "to", "to", "", "x where it is worst.", NEITHER, -1);
+BB_TEXT(steps, "steps", "steps", "log, linear, whole or count.");
+BB_EXACT(n, "n", "n", "", "Primitives.", NEITHER, -1);
+BB_EXACT(frames, "frames", "frames", "", "Of moving scenes.", NEITHER, -1);
+BB_TEXT(picture, "picture", "picture", "A file beside this one.");
+BB_EXACT(picture_at, "picture_at", "picture at", "", "x of the picture.", NEITHER, -1);
+BB_TEXT(complete, "complete", "complete", "no: the run was interrupted.");
 
 /* ---- of a method at a value of an axis, beside its figures (point_file.c) ---- */
 
-COLUMN(x, "x", "x", "", "The value.", NUMBER);
+BB_EXACT(x, "x", "x", "", "The value.", NEITHER, -1);
 
 /* ---- of a failure: a method on an axis, in a manner ---- */
 
-COLUMN(word, "word", "fails", "", "The manner in words.", TEXT);
-COLUMN(from_start, "from_start", "from the start", "", "yes: at the first value already.", TEXT);
-COLUMN(at, "at", "from", "", "x of the first failure.", NUMBER);
-COLUMN(below, "below", "not yet at", "", "The last x before it.", NUMBER);
-COLUMN(ratio, "ratio", "times", "", "How many times its own normal figure.", NUMBER);
-COLUMN(returns, "returns", "not throughout", "", "yes: it does not fail at all x behind.", TEXT);
+BB_TEXT(word, "word", "fails", "The manner in words.");
+BB_TEXT(from_start, "from_start", "from the start", "yes: at the first value already.");
+BB_EXACT(at, "at", "from", "", "x of the first failure.", NEITHER, -1);
+BB_EXACT(below, "below", "not yet at", "", "The last x before it.", NEITHER, -1);
+BB_EXACT(ratio, "ratio", "times", "", "How many times its own normal figure.", NEITHER, -1);
+BB_TEXT(returns, "returns", "not throughout", "yes: it does not fail at all x behind.");
 
 static const char *yes(bool it_is)
 {

@@ -9,21 +9,12 @@
 #include <stdio.h>
 #include <string.h>
 
-static const bb_column outcome = {"outcome",
-                                  "outcome",
-                                  "",
-                                  "How the measurement ended: ok, refused, crashed ...",
-                                  BB_COLUMN_TEXT,
-                                  BB_SENSE_EXACT,
-                                  BB_BETTER_NEITHER,
-                                  0};
-static const bb_column reason = {
-    "reason",       "reason",          "", "Why it ended so.", BB_COLUMN_TEXT,
-    BB_SENSE_EXACT, BB_BETTER_NEITHER, 0};
+BB_TEXT(outcome, "outcome", "outcome", "How the measurement ended: ok, refused, crashed ...");
+BB_TEXT(reason, "reason", "reason", "Why it ended so.");
 
 #define FIGURE(name, heading, unit, help, sense, better, member)                                   \
     {                                                                                              \
-        {name, heading, unit, help, BB_COLUMN_NUMBER, BB_SENSE_##sense, BB_BETTER_##better, -1},   \
+        BB_NUMBER_COLUMN(sense, name, heading, unit, help, better, -1),                            \
             offsetof(bb_point_figures, member)                                                     \
     }
 static const struct {

@@ -41,6 +41,12 @@ typedef struct bb_column {
     int decimals; /* after the point, in tables; -1: three significant digits */
 } bb_column;
 
+/* Declare a column of one file: BB_EXACT(nodes, "nodes", "nodes", "", "Of the tree.", LESS, 0). */
+#define BB_EXACT(id, ...) static const bb_column id = BB_EXACT_COLUMN(__VA_ARGS__)
+#define BB_TIMED(id, ...) static const bb_column id = BB_TIMED_COLUMN(__VA_ARGS__)
+#define BB_ROUNDS(id, ...) static const bb_column id = BB_ROUNDS_COLUMN(__VA_ARGS__)
+#define BB_TEXT(id, ...) static const bb_column id = BB_TEXT_COLUMN(__VA_ARGS__)
+
 /* Initialisers of columns; `better` is NEITHER, LESS or MORE. */
 #define BB_NUMBER_COLUMN(sense, name, heading, unit, help, better, decimals)                       \
     {                                                                                              \
