@@ -1,58 +1,76 @@
-/* For tests that make a result document member by member: an empty one, and read as from a file. */
+/* For tests that make results row by row: empty ones, and read as from a file. */
 #ifndef BB_TEST_DOCUMENT_FIXTURE_H
 #define BB_TEST_DOCUMENT_FIXTURE_H
 
 #include "framework/record/record_private.h"
-#include "tests/fixture.h"
+#include "tests/document.h"
 
-#include <cjson/cJSON.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-typedef struct document {
-    cJSON *root, *scenes, *builds, *traces;
-    int next; /* id */
-} document;
-
-static inline document empty_document(void)
+static inline bb_results *empty_document(void)
 {
-    document d = {.root = cJSON_CreateObject()};
-    cJSON_AddStringToObject(d.root, "schema", "bvhbench-results/1");
-    cJSON *context = cJSON_AddObjectToObject(d.root, "context");
-    cJSON_AddNumberToObject(context, "cpu_threads", 4);
-    d.scenes = cJSON_AddArrayToObject(d.root, "scenes");
-    d.builds = cJSON_AddArrayToObject(d.root, "builds");
-    d.traces = cJSON_AddArrayToObject(d.root, "traces");
-    cJSON_AddArrayToObject(d.root, "skipped");
-    cJSON_AddArrayToObject(d.root, "pictures");
-    cJSON_AddObjectToObject(d.root, "steps_ms");
-    return d;
+    bb_results *results;
+    ASSERT_OK(bb_results_make(&results));
+    bb_put_number(bb_results_entry(results, (bb_cell){{NULL}}), BB_F_CONTEXT_THREADS, 4);
+    return results;
 }
 
-/* Traces get keys. The document is freed. */
-static inline bb_results *read_back(document *d)
+static inline void add_scene(bb_results *results, const char *name, double prims)
 {
-    cJSON *trace;
-    cJSON_ArrayForEach(trace, d->traces) assert_true(bb_put_missing_key(trace));
+    bb_put_number(bb_results_entry(results, (bb_cell){{[BB_SCENE] = name}}), BB_F_SCENE_PRIMS,
+                  prims);
+}
+
+static inline bb_entry *new_build(bb_results *results, const char *scene, const char *builder)
+{
+    const bb_cell cell = {{[BB_SCENE] = scene, [BB_BUILDER] = builder}};
+    assert_null(bb_results_find(results, cell));
+    bb_entry *build = bb_results_entry(results, cell);
+    assert_non_null(build);
+    bb_put_text(build, BB_F_BUILD_STATUS, "ok");
+    return build;
+}
+
+/* A trace of a million rays. The same one again is of another view. */
+static inline bb_entry *new_trace(bb_results *results, const char *scene, const char *builder,
+                                  const char *rays, const char *kernel, const char *intersector)
+{
+    char view[16] = "";
+    bb_cell cell = {{[BB_SCENE] = scene,
+                     [BB_QUESTION] = rays,
+                     [BB_VIEW] = view,
+                     [BB_BUILDER] = builder,
+                     [BB_KERNEL] = kernel,
+                     [BB_INTERSECTOR] = intersector}};
+    for (int again = 2; bb_results_find(results, cell) != NULL; again++)
+        snprintf(view, sizeof view, "view %d", again);
+    bb_entry *trace = bb_results_entry(results, cell);
+    assert_non_null(trace);
+    bb_put_text(trace, BB_F_TRACE_STATUS, "ok");
+    bb_put_text(trace, BB_F_TRACE_RAYS_HASH, rays);
+    bb_put_number(trace, BB_F_TRACE_COUNT, 1e6);
+    return trace;
+}
+
+/* Traces get keys. The results are freed. */
+static inline bb_results *read_back(bb_results *results)
+{
+    for (bb_entry *trace = results->sections[BB_TRACES].first; trace != NULL; trace = trace->next)
+        bb_put_missing_key(trace);
     const char *folder = getenv("BVHBENCH_TEST_DIR");
     char path[600];
-    bb_results *results = NULL;
+    bb_results *again = NULL;
     folder = folder != NULL ? folder : "/tmp";
     mkdir(folder, 0777);
     snprintf(path, sizeof path, "%s/document-%ld.json", folder, (long)getpid());
-    FILE *file = fopen(path, "wb");
-    assert_non_null(file);
-    char *text = cJSON_Print(d->root);
-    fputs(text, file);
-    assert_int_equal(fclose(file), 0);
-    cJSON_free(text);
-    cJSON_Delete(d->root);
-    if (bb_results_read(path, &results) != BB_OK)
-        fail_msg("%s", bb_message());
+    ASSERT_OK(bb_results_write(results, path));
+    bb_results_destroy(results);
+    ASSERT_OK(bb_results_read(path, &again));
     remove(path);
-    return results;
+    return again;
 }
 
 #endif

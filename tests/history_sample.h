@@ -12,16 +12,17 @@
 #include <stdio.h>
 #include <string.h>
 
-static inline void set_text(cJSON *object, const char *name, const char *text)
+/* Sets a metric of a build's tree; NAN: it was not measured. */
+static inline void put_metric(bb_results *results, const bb_entry *build, const char *name,
+                              double value)
 {
-    cJSON_DeleteItemFromObjectCaseSensitive(object, name);
-    assert_non_null(cJSON_AddStringToObject(object, name, text));
+    const bb_metric *metric = bb_metrics[bb_metric_find(name)];
+    bb_table_set_number(results->table, build->row, bb_metric_column(metric, false), value);
 }
 
-static inline void set_item(cJSON *object, const char *name, cJSON *item)
+static inline double metric_of(const bb_entry *build, const char *name)
 {
-    cJSON_DeleteItemFromObjectCaseSensitive(object, name);
-    assert_true(cJSON_AddItemToObject(object, name, item));
+    return bb_get_metric(build, bb_metrics[bb_metric_find(name)]);
 }
 
 /* How a revision differs. Indices of traces and of builds. */
@@ -35,37 +36,29 @@ static inline bb_results *history_run(const char *revision, const char *host, co
                                       history_change change, uint64_t seed)
 {
     bb_results *results = sample_results(NULL);
-    cJSON *context = cJSON_GetObjectItem(bb_results_json(results), "context"), *entry;
     bb_random random = bb_random_make(seed, 0);
-    set_text(context, "revision", revision);
-    set_text(context, "host", host);
-    set_text(context, "date", date);
-    set_text(context, "cpu", "made up");
-    set_text(context, "device_type", "CPU");
+    ASSERT_OK(bb_results_set_text(results, BB_F_CONTEXT_REVISION, revision));
+    ASSERT_OK(bb_results_set_text(results, BB_F_CONTEXT_HOST, host));
+    ASSERT_OK(bb_results_set_text(results, BB_F_CONTEXT_DATE, date));
+    ASSERT_OK(bb_results_set_text(results, BB_F_CONTEXT_CPU, "made up"));
+    ASSERT_OK(bb_results_set_text(results, BB_F_CONTEXT_DEVICE_TYPE, "CPU"));
     int index = 0;
-    cJSON_ArrayForEach(entry, section(results, "builds"))
-    {
+    for (bb_entry *build = results->sections[BB_BUILDS].first; build != NULL; build = build->next) {
         char key[700];
         snprintf(key, sizeof key, "scene=%d/builder=%s", index / SAMPLE_PER_SCENE,
-                 member(entry, "builder")->valuestring);
-        for (char *at = key; *at != '\0'; at++)
-            *at = *at == '/' && strncmp(at, "/builder=", 9) != 0 ? '.' : *at;
-        set_text(entry, "cell", key);
-        cJSON *sah = cJSON_GetObjectItem(cJSON_GetObjectItem(entry, "tree"), "sah");
-        if (index == change.worse_sah)
-            cJSON_SetNumberValue(sah, sah->valuedouble * 1.02);
-        index++;
+                 bb_get_text(build, BB_F_BUILD_BUILDER));
+        bb_put_text(build, BB_F_BUILD_CELL, key);
+        if (index++ == change.worse_sah)
+            put_metric(results, build, "sah", 1.02 * metric_of(build, "sah"));
     }
     index = 0;
-    cJSON_ArrayForEach(entry, section(results, "traces"))
-    {
-        cJSON *rounds = cJSON_CreateArray();
+    for (bb_entry *trace = results->sections[BB_TRACES].first; trace != NULL; trace = trace->next) {
+        bb_samples rounds = {0};
         double ms = 5 + index % 50;
         ms *= index == change.slow_trace ? 1.3 : index == change.fast_trace ? 0.7 : 1;
         for (int i = 0; i < 7; i++)
-            cJSON_AddItemToArray(
-                rounds, cJSON_CreateNumber(ms * (1 + 0.02 * bb_random_unit(&random) + (i == 0))));
-        set_item(entry, "ms", rounds);
+            bb_samples_add(&rounds, ms * (1 + 0.02 * bb_random_unit(&random) + (i == 0)));
+        bb_put_rounds(trace, BB_F_TRACE_MS, &rounds);
         index++;
     }
     return results;

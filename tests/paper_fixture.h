@@ -7,9 +7,8 @@
 #include "framework/judge/queries.h"
 #include "framework/papers/reproduce.h"
 #include "framework/record/record_private.h"
-#include "tests/fixture.h"
+#include "tests/document.h"
 
-#include <cjson/cJSON.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -48,6 +47,7 @@ static inline void add_rounds(bb_samples *samples, double ms)
                        ms * (1 + i % 2) * (1 + bb_random_range(&noise_source, -noise, noise)));
 }
 
+/* Returns the row of the build. */
 static inline uint32_t add_build_of(bb_results *results, const char *scene, const char *builder,
                                     double sah, double ms, uint64_t bytes_peak)
 {
@@ -55,7 +55,6 @@ static inline uint32_t add_build_of(bb_results *results, const char *scene, cons
     bb_spec spec;
     assert_int_equal(bb_spec_parse(builder, &spec), BB_OK);
     bb_build_record_init(&record);
-    record.id = bb_results_next_build(results);
     record.spec = &spec;
     snprintf(record.scene, sizeof record.scene, "%s", scene);
     add_rounds(&record.build_ms, ms);
@@ -63,7 +62,7 @@ static inline uint32_t add_build_of(bb_results *results, const char *scene, cons
     record.bytes_peak = bytes_peak;
     record.metrics[bb_metric_find("sah")].value = sah;
     assert_int_equal(bb_results_add_build(results, &record), BB_OK);
-    return record.id;
+    return bb_place_of(results->sections[BB_BUILDS].last);
 }
 
 static inline uint32_t add_build(bb_results *results, const char *scene, const char *builder,
@@ -84,13 +83,12 @@ static inline void add_two_builders(bb_results *results)
 static inline void add_trace_of(bb_results *results, uint32_t build, const char *kernel,
                                 const char *view, const char *rays, double ms, double boxes)
 {
-    const cJSON *entry = bb_results_build(results, build);
+    const bb_entry *entry = results->entries[build];
     bb_trace_record record;
     bb_trace_record_init(&record);
     record.query = &bb_query_closest;
-    record.build = build;
-    snprintf(record.scene, sizeof record.scene, "%s", bb_json_text(entry, "scene"));
-    snprintf(record.builder, sizeof record.builder, "%s", bb_json_text(entry, "builder"));
+    snprintf(record.scene, sizeof record.scene, "%s", bb_get_text(entry, BB_F_BUILD_SCENE));
+    snprintf(record.builder, sizeof record.builder, "%s", bb_get_text(entry, BB_F_BUILD_BUILDER));
     snprintf(record.view, sizeof record.view, "%s", view);
     snprintf(record.kernel, sizeof record.kernel, "%s", kernel);
     snprintf(record.rays, sizeof record.rays, "%s", rays);
@@ -124,13 +122,13 @@ static void free_paper_tables(void)
         bb_table_free(paper_tables[--paper_table_count]);
 }
 
-static inline bb_findings findings_of(bb_results *results, uint32_t first)
+static inline bb_findings findings_of(bb_results *results, uint32_t run)
 {
     bb_findings f = {.scenes = scenes, .scene_count = 2};
     if (paper_table_count == 0)
         atexit(free_paper_tables);
     ASSERT_OK(bb_table_create("reproduce", &f.table));
-    ASSERT_OK(bb_paper_measured(results, first, f.table));
+    ASSERT_OK(bb_paper_measured(results, run, f.table));
     assert_true(paper_table_count < sizeof paper_tables / sizeof paper_tables[0]);
     return paper_tables[paper_table_count++] = f.table, f;
 }
@@ -157,7 +155,7 @@ static inline const cJSON *reproduce(const char *name, const bb_findings *all, b
     const bb_paper *paper;
     ASSERT_OK(bb_paper_find(name, &paper));
     ASSERT_OK(bb_reproduction_add(paper, all, results));
-    const cJSON *list = cJSON_GetObjectItem(bb_results_json(results), "reproductions");
+    const cJSON *list = cJSON_GetObjectItem(document_of(results), "reproductions");
     return cJSON_GetArrayItem(list, cJSON_GetArraySize(list) - 1);
 }
 
@@ -175,9 +173,9 @@ static inline const cJSON *reproduce_emc(bb_results *results, code_costs cost,
 {
     bb_findings all[BB_EXPERIMENTS_MAX];
     for (int e = 0; e < BB_EXPERIMENTS_MAX; e++) /* of those after the fourth there is nothing */
-        all[e] = findings_of(results, bb_results_next_build(results));
+        all[e] = findings_of(results, UINT32_MAX);
     for (int e = 0; e < 4; e++) {
-        uint32_t first = bb_results_next_build(results);
+        uint32_t run = bb_results_begin_run(results);
         for (int s = 0; s < 2; s++) {
             uint32_t plain = add_build(results, scenes[s], mc64, 100, 10);
             uint32_t sort = add_build(results, scenes[s], sort64, 100 * cost.sort[s], 10.1);
@@ -188,9 +186,16 @@ static inline const cJSON *reproduce_emc(bb_results *results, code_costs cost,
             add_trace(results, sort, "", 6, 40);
             add_trace(results, var, "", 6 / speed[s], 30);
         }
-        all[e] = findings_of(results, first);
+        all[e] = findings_of(results, run);
     }
     return reproduce("emc", all, results);
+}
+
+/* "" if there is none. */
+static inline const char *json_text(const cJSON *object, const char *name)
+{
+    const char *text = cJSON_GetStringValue(cJSON_GetObjectItem(object, name));
+    return text != NULL ? text : "";
 }
 
 static inline const cJSON *claim_of(const cJSON *reproduction, const char *words)
@@ -198,7 +203,7 @@ static inline const cJSON *claim_of(const cJSON *reproduction, const char *words
     const cJSON *claim;
     cJSON_ArrayForEach(claim, cJSON_GetObjectItem(reproduction, "claims"))
     {
-        if (strstr(bb_json_text(claim, "claim"), words) != NULL)
+        if (strstr(json_text(claim, "claim"), words) != NULL)
             return claim;
     }
     fail_msg("no claim with '%s'", words);
@@ -217,13 +222,13 @@ static inline const char *text_after(const cJSON *held, const char *name)
     const cJSON *item = held;
     while (strcmp(item->string, name) != 0)
         item = item->next;
-    return item->valuestring;
+    return item->valuestring != NULL ? item->valuestring : "";
 }
 
 /* The verdict on it. */
 static inline const char *verdict_with(const cJSON *reproduction, const char *words)
 {
-    return bb_json_text(claim_of(reproduction, words), "verdict");
+    return json_text(claim_of(reproduction, words), "verdict");
 }
 
 static inline const char *why_of(const cJSON *held)
@@ -239,7 +244,7 @@ static inline const cJSON *table_with(const cJSON *reproduction, const char *wor
     const cJSON *table;
     cJSON_ArrayForEach(table, cJSON_GetObjectItem(reproduction, "tables"))
     {
-        if (strstr(bb_json_text(table, "title"), words) != NULL)
+        if (strstr(json_text(table, "title"), words) != NULL)
             return table;
     }
     fail_msg("no table with '%s'", words);

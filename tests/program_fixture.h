@@ -3,6 +3,7 @@
 #ifndef BB_TEST_PROGRAM_FIXTURE_H
 #define BB_TEST_PROGRAM_FIXTURE_H
 
+#include "framework/record/record.h"
 #include "tests/fixture.h"
 
 #include <cjson/cJSON.h>
@@ -107,13 +108,29 @@ static inline int remove_folder(void **state)
 }
 
 /* The file parsed; for cJSON_Delete(). */
-static inline cJSON *read_results(const char *name)
+static inline cJSON *read_json(const char *name)
 {
     static char text[4 << 20];
     read_file(name, text, sizeof text);
     cJSON *json = cJSON_Parse(text);
     assert_non_null(json);
     return json;
+}
+
+/* The results of a run, section by section; for cJSON_Delete(). */
+static inline cJSON *read_results(const char *name)
+{
+    char path[1024];
+    bb_results *results;
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    if (bb_results_read(path, &results) != BB_OK)
+        fail_msg("%s", bb_message());
+    char *json = bb_results_json(results);
+    cJSON *document = cJSON_Parse(json);
+    free(json);
+    bb_results_destroy(results);
+    assert_non_null(document);
+    return document;
 }
 
 #endif

@@ -193,19 +193,24 @@ static void frames_have_each_figure_in_its_place(void **state)
     for (int f = 0; f < FRAMES; f++) {
         char frame[8];
         snprintf(frame, sizeof frame, "%d", 10 + f);
-        const bb_cell all = {{"s", frame}}, method = {{"s", frame, NULL, "a"}};
+        const bb_cell all = {{[BB_SCENE] = "s", [BB_FRAME] = frame}},
+                      method = {{[BB_SCENE] = "s", [BB_FRAME] = frame, [BB_BUILDER] = "a"}};
         assert_true(number(table, all, "primitives") == 1000 + f);
         assert_true(number(table, all, "sah_fresh_best") == 4 + f);
         assert_true(number(table, all, "moved_percent") == 25 * f);
         assert_true(number(table, all, "moved_by") == f);
         assert_true(number(table, all, "oracle_ms") == 30 + f);
         assert_true(number(table, all, "judge_ms") == 40 + f);
-        assert_true(number(table, (bb_cell){{"s", frame, "r"}}, "rays") == RAYS + f);
-        assert_true(number(table, (bb_cell){{"s", frame, NULL, NULL, "y"}}, "sah_fresh") == 5 + f);
+        assert_true(number(table,
+                           (bb_cell){{[BB_SCENE] = "s", [BB_FRAME] = frame, [BB_QUESTION] = "r"}},
+                           "rays") == RAYS + f);
+        assert_true(number(table,
+                           (bb_cell){{[BB_SCENE] = "s", [BB_FRAME] = frame, [BB_MAKER] = "y"}},
+                           "sah_fresh") == 5 + f);
         assert_true(number(table, method, f == 0 ? "build_ms" : "update_ms") == 100 + f);
         assert_true(number(table, method, "update_cpu_ms") == 200 + f);
         assert_true(number(table, method, "transfer_ms") == 300 + f);
-        assert_true(number(table, method, "sah") == 400 + f);
+        assert_true(number(table, method, "tree_sah") == 400 + f);
         assert_true(number(table, method, "sah_over_best") == (400 + f) / (4.0 + f));
         assert_true(number(table, method, "nodes") == 500 + f);
         assert_true(number(table, method, "depth") == 600 + f);
@@ -213,8 +218,15 @@ static void frames_have_each_figure_in_its_place(void **state)
         assert_string_equal(text(table, method, "way"), f == 0 ? "rebuilt" : "updated");
         for (int k = 0; k < 2; k++) {
             const char *name = result->kernels[k];
-            const bb_cell kernel = {{"s", frame, NULL, "a", NULL, name}},
-                          set = {{"s", frame, "r", "a", NULL, name}};
+            const bb_cell kernel = {{[BB_SCENE] = "s",
+                                     [BB_FRAME] = frame,
+                                     [BB_BUILDER] = "a",
+                                     [BB_INTERSECTOR] = name}},
+                          set = {{[BB_SCENE] = "s",
+                                  [BB_FRAME] = frame,
+                                  [BB_QUESTION] = "r",
+                                  [BB_BUILDER] = "a",
+                                  [BB_INTERSECTOR] = name}};
             assert_true(number(table, kernel, "layout_ms") == 800 + 10 * k + f);
             assert_true(number(table, set, "trace_ms") == 900 + 10 * k + f);
             assert_true(number(table, kernel, "wrong") == (k == 1 ? 20 + f : 0));
@@ -229,7 +241,7 @@ static void methods_have_each_figure_in_its_place(void **state)
     (void)state;
     bb_animate_result *result = make_distinct();
     bb_table *table = table_of(result);
-    const bb_cell scene = {{"s"}}, method = {{"s", NULL, NULL, "a"}};
+    const bb_cell scene = {{[BB_SCENE] = "s"}}, method = {{[BB_SCENE] = "s", [BB_BUILDER] = "a"}};
     assert_true(number(table, scene, "first_frame") == 10 && number(table, scene, "rounds") == 1);
     assert_true(number(table, scene, "last_frame") == 13);
     assert_true(number(table, scene, "moved_percent") == 50 &&
@@ -240,17 +252,22 @@ static void methods_have_each_figure_in_its_place(void **state)
     assert_true(number(table, method, "worst_update_ms") == 103);
     assert_true(number(table, method, "worst_frame") == 13);
     assert_true(number(table, method, "sah_over_best_most") == 401 / 5.0);
-    assert_true(number(table, (bb_cell){{"s", NULL, NULL, "a", "y"}}, "sah_over_fresh_most") ==
-                401 / 6.0);
+    assert_true(number(table, (bb_cell){{[BB_SCENE] = "s", [BB_BUILDER] = "a", [BB_MAKER] = "y"}},
+                       "sah_over_fresh_most") == 401 / 6.0);
     assert_true(number(table, method, "wrong_answers") == 20 + 21 + 22 + 23);
     assert_true(number(table, method, "frames_updated") == 3);
     assert_true(number(table, method, "frames_rebuilt") == 0);
     assert_string_equal(text(table, method, "status"), "");
-    assert_string_equal(text(table, (bb_cell){{"s", NULL, "frames"}}, "picture"), "strip.png");
+    assert_string_equal(
+        text(table, (bb_cell){{[BB_SCENE] = "s", [BB_QUESTION] = "frames"}}, "picture"),
+        "strip.png");
     for (int k = 0; k < 2; k++) {
         const char *name = result->kernels[k];
-        const bb_cell kernel = {{"s", NULL, NULL, "a", NULL, name}},
-                      set = {{"s", NULL, "r", "a", NULL, name}};
+        const bb_cell kernel = {{[BB_SCENE] = "s", [BB_BUILDER] = "a", [BB_INTERSECTOR] = name}},
+                      set = {{[BB_SCENE] = "s",
+                              [BB_QUESTION] = "r",
+                              [BB_BUILDER] = "a",
+                              [BB_INTERSECTOR] = name}};
         assert_true(number(table, kernel, "layout_ms") == 802 + 10 * k);
         assert_true(number(table, kernel, "wrong_answers") == (k == 1 ? 86 : 0));
         assert_true(number(table, set, "trace_ms") == 902 + 10 * k);
@@ -266,8 +283,11 @@ static void methods_have_each_figure_in_its_place(void **state)
 static void the_table_names_the_winner(void **state)
 {
     (void)state;
-    const bb_cell count = {{"s", "1e5 rays", "r"}}, own = {{"s", "1e5 rays", "r", "a"}},
-                  method = {{"s", NULL, NULL, "a"}};
+    const bb_cell
+        count = {{[BB_SCENE] = "s", [BB_FRAME] = "1e5 rays", [BB_QUESTION] = "r"}},
+        own =
+            {{[BB_SCENE] = "s", [BB_FRAME] = "1e5 rays", [BB_QUESTION] = "r", [BB_BUILDER] = "a"}},
+        method = {{[BB_SCENE] = "s", [BB_BUILDER] = "a"}};
     bb_animate_result *result = make_distinct();
     bb_table *table = table_of(result);
     assert_string_equal(text(table, count, "fastest"), "a, k0");
@@ -275,7 +295,9 @@ static void the_table_names_the_winner(void **state)
     const double ms = 102 + 302 + 802 + 1e5 * 2706 / 3006;
     assert_true(fabs(number(table, count, "least_frame_ms") - ms) < 1e-6);
     assert_true(number(table, own, "frame_ms") == number(table, count, "least_frame_ms"));
-    assert_true(number(table, (bb_cell){{"s", "1e9 rays", "r"}}, "least_frame_ms") > 1e8);
+    assert_true(number(table,
+                       (bb_cell){{[BB_SCENE] = "s", [BB_FRAME] = "1e9 rays", [BB_QUESTION] = "r"}},
+                       "least_frame_ms") > 1e8);
     bb_table_free(table);
     strcpy(result->methods[0].refused, "frame 13: it is broken");
     result->methods[0].failed = true;
@@ -308,12 +330,27 @@ static void the_table_tells_who_is_faster(void **state)
     const double at = 4.85 / (0.00525 - 0.001); /* see methods_change_places_where_times_cross() */
     char expected[64], figure[BB_FIGURE_MAX];
     snprintf(expected, sizeof expected, "below %s", bb_figure(figure, at, -1));
-    assert_string_equal(text(table, (bb_cell){{"s"}}, "faster_than"), "b");
-    assert_string_equal(text(table, (bb_cell){{"s", NULL, "r", "a"}}, "faster_for"), expected);
-    assert_string_equal(text(table, (bb_cell){{"s", NULL, "r", "c"}}, "faster_for"), "none");
-    assert_int_equal(bb_table_find(table, (bb_cell){{"s", NULL, "r", "b"}}), BB_NO_ROW);
-    assert_string_equal(text(table, (bb_cell){{"s", "1e6 rays", "r"}}, "as_fast"), "c");
-    assert_int_equal(bb_table_find(table, (bb_cell){{"s", "2e6 rays", "r"}}), BB_NO_ROW);
+    assert_string_equal(text(table, (bb_cell){{[BB_SCENE] = "s"}}, "faster_than"), "b");
+    assert_string_equal(text(table,
+                             (bb_cell){{[BB_SCENE] = "s", [BB_QUESTION] = "r", [BB_BUILDER] = "a"}},
+                             "faster_for"),
+                        expected);
+    assert_string_equal(text(table,
+                             (bb_cell){{[BB_SCENE] = "s", [BB_QUESTION] = "r", [BB_BUILDER] = "c"}},
+                             "faster_for"),
+                        "none");
+    assert_int_equal(
+        bb_table_find(table,
+                      (bb_cell){{[BB_SCENE] = "s", [BB_QUESTION] = "r", [BB_BUILDER] = "b"}}),
+        BB_NO_ROW);
+    assert_string_equal(
+        text(table, (bb_cell){{[BB_SCENE] = "s", [BB_FRAME] = "1e6 rays", [BB_QUESTION] = "r"}},
+             "as_fast"),
+        "c");
+    assert_int_equal(
+        bb_table_find(table,
+                      (bb_cell){{[BB_SCENE] = "s", [BB_FRAME] = "2e6 rays", [BB_QUESTION] = "r"}}),
+        BB_NO_ROW);
     bb_table_free(table);
     destroy(result);
 }
@@ -331,8 +368,9 @@ static void the_table_keeps_all_rounds(void **state)
         frames[f].update_cpu[1] = NAN;
     }
     bb_table *table = table_of(result);
-    const uint32_t frame = bb_table_find(table, (bb_cell){{"s", "13", NULL, "a"}}),
-                   method = bb_table_find(table, (bb_cell){{"s", NULL, NULL, "a"}});
+    const uint32_t frame = bb_table_find(
+                       table, (bb_cell){{[BB_SCENE] = "s", [BB_FRAME] = "13", [BB_BUILDER] = "a"}}),
+                   method = bb_table_find(table, (bb_cell){{[BB_SCENE] = "s", [BB_BUILDER] = "a"}});
     const bb_samples *update = bb_table_get_rounds(table, frame, "update_ms");
     assert_true(update->count == 3 && update->values[1] == 103 && update->values[2] == 7);
     update = bb_table_get_rounds(table, method, "update_ms");

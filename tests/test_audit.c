@@ -7,11 +7,10 @@
 #include "framework/builder/registry.h"
 #include "framework/embree/embree.h"
 #include "framework/judge/queries.h"
+#include "framework/record/record_private.h"
 #include "tests/device_fixture.h"
 #include "tests/trace_fixture.h"
 #include "traversal/pass.h"
-
-#include <cjson/cJSON.h>
 
 enum { RAYS = 1 << 16 };
 
@@ -68,7 +67,7 @@ static void complaints_add_up(void **state)
 
 /* ---- rates ---- */
 
-/* A document with one cell: `count` rays, of which `judged` were judged. */
+/* Results with one trace: `count` rays, of which `judged` were judged. */
 static bb_results *one_cell(uint32_t count, uint32_t judged)
 {
     bb_results *results = NULL;
@@ -81,10 +80,13 @@ static bb_results *one_cell(uint32_t count, uint32_t judged)
     build.spec = &spec;
     build.options = bb_builder_find("lbvh")->options;
     check(bb_results_create(&(bb_context){.command = "test"}, &results), "results");
+    assert_non_null(bb_results_entry(results, (bb_cell){{[BB_SCENE] = "a scene"}}));
     check(bb_results_add_build(results, &build), "build");
     bb_trace_record_init(&trace);
     trace.query = &bb_query_closest;
     snprintf(trace.scene, sizeof trace.scene, "a scene");
+    snprintf(trace.builder, sizeof trace.builder, "lbvh");
+    snprintf(trace.rays, sizeof trace.rays, "primary");
     trace.count = count;
     bb_samples_add(&trace.ms, 30);
     bb_samples_add(&trace.ms, 20);
@@ -103,9 +105,9 @@ static uint32_t rate_complaints(bb_results *results)
     return audit.complaints;
 }
 
-static cJSON *cell_of(bb_results *results)
+static bb_entry *trace_of(bb_results *results)
 {
-    return cJSON_GetArrayItem(cJSON_GetObjectItem(bb_results_json(results), "traces"), 0);
+    return results->sections[BB_TRACES].first;
 }
 
 static void rates_are_of_the_rays_that_were_judged(void **state)
@@ -114,19 +116,17 @@ static void rates_are_of_the_rays_that_were_judged(void **state)
     assert_int_equal(rate_complaints(one_cell(1000, 1000)), 0);
     assert_int_equal(rate_complaints(one_cell(1000, 999)), 1);
     bb_results *results = one_cell(1000, 1000);
-    cJSON *rate = cJSON_GetObjectItem(cell_of(results), "mrays_s");
-    cJSON_SetNumberValue(rate, rate->valuedouble * 1.01);
+    bb_entry *trace = trace_of(results);
+    bb_put_number(trace, BB_F_TRACE_RATE_GIVEN, bb_get_number(trace, BB_F_TRACE_RATE) * 1.01);
     assert_int_equal(rate_complaints(results), 1);
     results = one_cell(1000, 1000);
-    cJSON_SetNumberValue(cJSON_GetObjectItem(cell_of(results), "ms_median"), NAN);
+    bb_put_rounds(trace_of(results), BB_F_TRACE_MS, &(bb_samples){0});
     assert_int_equal(rate_complaints(results), 1);
     results = one_cell(1000, 1000);
-    cJSON *seen = cJSON_GetObjectItem(cell_of(results), "event_ms_samples");
-    cJSON_AddItemToArray(seen, cJSON_CreateNumber(41));
-    cJSON_AddItemToArray(seen, cJSON_CreateNumber(41));
+    bb_put_rounds(trace_of(results), BB_F_TRACE_EVENT_MS, &(bb_samples){2, {41, 41}});
     assert_int_equal(rate_complaints(results), 1); /* 20 ms shown, 41 ms seen */
     results = one_cell(1000, 1000);
-    cJSON_DeleteItemFromObject(cell_of(results), "accuracy");
+    bb_put_number(trace_of(results), BB_F_ACCURACY_CHECKED, (double)NAN);
     assert_int_equal(rate_complaints(results), 1);
 }
 

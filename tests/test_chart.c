@@ -3,13 +3,8 @@
  */
 #include "framework/base/file.h"
 #include "framework/chart/chart_script.h"
-#include "framework/record/record_private.h"
 #include "framework/report/report.h"
-#include "tests/fixture.h"
-#include "tests/report_sample.h"
-
-#include <cjson/cJSON.h>
-#include <unistd.h>
+#include "tests/record_fixture.h"
 
 enum { SEED = 23 };
 
@@ -150,13 +145,13 @@ static void views_are_added_up(void **state)
     for (uint32_t i = 0; i < all->cell_count; i++) {
         const bb_chart_cell *cell = &all->cells[i], *a = &front->cells[i], *b = &corner->cells[i];
         assert_ptr_equal(cell->trace, a->trace);
-        near(a->mrays_s, number(a->trace, "mrays_s"));
-        near(a->mrays_s_lo, number(a->trace, "mrays_s_lo"));
-        near(a->ms, number(a->trace, "ms_median"));
+        near(a->mrays_s, bb_get_number(a->trace, BB_F_TRACE_RATE));
+        near(a->mrays_s_lo, bb_get_number(a->trace, BB_F_TRACE_RATE_LO));
+        near(a->ms, bb_get_number(a->trace, BB_F_TRACE_MS_MEDIAN));
         near(cell->ms, a->ms + b->ms);
         near(cell->mrays_s, 2 * 262144 / (a->ms + b->ms) / 1e3);
         assert_true(cell->mrays_s_lo <= cell->mrays_s && cell->mrays_s <= cell->mrays_s_hi);
-        near(a->mrays_s_most, number(a->trace, "mrays_s_most"));
+        near(a->mrays_s_most, bb_get_number(a->trace, BB_F_TRACE_RATE_MOST));
         near(cell->mrays_s_least,
              262144 / (262144 / a->mrays_s_least + 262144 / b->mrays_s_least) * 2);
         assert_true(cell->mrays_s_least <= cell->mrays_s_lo &&
@@ -164,13 +159,9 @@ static void views_are_added_up(void **state)
         near(cell->checked, 2 * 262144);
         near(cell->wrong_rays, a->wrong_rays + b->wrong_rays);
         near(cell->wrong_rays, cell->missed + cell->false_hits + cell->wrong_t);
-        near(a->wrong_rays,
-             round(number(cJSON_GetObjectItem(a->trace, "accuracy"), "wrong_ppm") * 262144 / 1e6));
-        const cJSON *trace = cell->trace;
-        assert_ptr_equal(trace,
-                         cJSON_GetArrayItem(cJSON_GetObjectItem(bb_results_json(results), "traces"),
-                                            (int)cell->trace_index));
-        assert_true(number(cell->build, "id") == number(trace, "build"));
+        near(a->wrong_rays, round(bb_get_number(a->trace, BB_F_ACCURACY_WRONG_PPM) * 262144 / 1e6));
+        assert_ptr_equal(cell->trace, entry_at(results, BB_TRACES, (int)cell->trace_index));
+        assert_ptr_equal(cell->build, bb_build_of(cell->trace));
     }
     bb_charts_free(&charts);
     bb_results_destroy(results);
@@ -216,20 +207,20 @@ static void costs_and_measures_are_the_layouts(void **state)
     uint32_t references = 0;
     for (uint32_t i = 0; i < set->cell_count; i++) {
         const bb_chart_cell *cell = &set->cells[i];
-        double build = number(cell->build, "build_ms_median");
+        double build = bb_get_number(cell->build, BB_F_BUILD_MS_MEDIAN);
         references += cell->reference;
         if (cell->reference) {
             near(cell->fixed_ms, build);
             assert_true(isnan(cell->metrics[bb_metric_find("sah")]) && cell->usable);
             continue;
         }
-        const char *layout = cJSON_GetObjectItem(cell->trace, "layout")->valuestring;
-        const char *intersector = cJSON_GetObjectItem(cell->trace, "intersector")->valuestring;
-        near(cell->fixed_ms, build + number(cell->build, "boxes_ms") +
-                                 or_nothing(number(cell->build, "transfer_ms")) +
-                                 number(cJSON_GetObjectItem(cell->build, "layouts_ms"), layout));
+        const char *layout = bb_get_text(cell->trace, BB_F_TRACE_LAYOUT);
+        const char *intersector = bb_get_text(cell->trace, BB_F_TRACE_INTERSECTOR);
+        near(cell->fixed_ms, build + bb_get_number(cell->build, BB_F_BUILD_BOXES_MS) +
+                                 or_nothing(bb_get_number(cell->build, BB_F_BUILD_TRANSFER_MS)) +
+                                 bb_get_named(cell->build, BB_F_BUILD_LAYOUTS_MS, layout));
         near(cell->metrics[bb_metric_find("sah")],
-             number(cJSON_GetObjectItem(cell->build, "layouts_sah"), layout));
+             bb_get_named(cell->build, BB_F_BUILD_LAYOUTS_SAH, layout));
         assert_true(cell->usable == (strcmp(intersector, "exact") == 0));
     }
     assert_int_equal(references, 2);
@@ -248,8 +239,7 @@ static void cells_that_lack_a_view_stay_out(void **state)
 {
     (void)state;
     bb_results *results = sample_results(NULL);
-    cJSON *first = cJSON_GetObjectItem(bb_results_json(results), "traces")->child;
-    cJSON_SetValuestring(cJSON_GetObjectItem(first, "status"), "no");
+    bb_put_text(entry_at(results, BB_TRACES, 0), BB_F_TRACE_STATUS, "no");
     bb_charts charts = charts_of(results);
     const bb_chart_set *all = find_set(&charts, "coffee", "primary", NULL);
     assert_int_equal(all->cell_count, 16);
@@ -281,9 +271,8 @@ static void pictures_say_what_is_left_out(void **state)
     char *text = script_of(results, &pictures);
     assert_null(strstr(text, "not drawn"));
     free(text);
-    cJSON *first = cJSON_GetObjectItem(bb_results_json(results), "traces")->child;
-    cJSON_SetValuestring(cJSON_GetObjectItem(first, "status"), "no");
-    cJSON_ReplaceItemInObject(first->next, "accuracy", cJSON_CreateNull());
+    bb_put_text(entry_at(results, BB_TRACES, 0), BB_F_TRACE_STATUS, "no");
+    bb_put_number(entry_at(results, BB_TRACES, 1), BB_F_ACCURACY_CHECKED, NAN);
     text = script_of(results, &pictures);
     assert_int_equal(pictures, SAMPLE_SCENES * 3 * 6);
     assert_non_null(strstr(text, "in a view: 2 cells\"")); /* one failed, one was not checked */
@@ -297,8 +286,7 @@ static void sets_keep_their_size(void **state)
 {
     (void)state;
     bb_results *results = sample_results(NULL);
-    cJSON *first = cJSON_GetObjectItem(bb_results_json(results), "traces")->child;
-    cJSON_SetNumberValue(cJSON_GetObjectItem(first, "count"), 1234);
+    bb_put_number(entry_at(results, BB_TRACES, 0), BB_F_TRACE_COUNT, 1234);
     bb_charts charts = charts_of(results);
     const bb_chart_set *set = find_set(&charts, "coffee", "primary", "front");
     near(set->cells[0].count, 1234);
@@ -426,13 +414,6 @@ static void an_empty_document_has_none(void **state)
     bb_results_destroy(results);
 }
 
-static void set_all(bb_results *results, const char *section, const char *name, const char *text)
-{
-    cJSON *row;
-    cJSON_ArrayForEach(row, cJSON_GetObjectItem(bb_results_json(results), section))
-        cJSON_SetValuestring(cJSON_GetObjectItem(row, name), text);
-}
-
 static size_t file_size(const char *folder, const char *name, const char *magic)
 {
     char path[1200], *data = NULL;
@@ -444,22 +425,49 @@ static size_t file_size(const char *folder, const char *name, const char *magic)
     return size;
 }
 
-/* The document written and read again, with keys that follow the names. */
-static bb_results *named_anew(bb_results *results)
+/* The results with one scene of this name, and with other names in its builds and traces. */
+static bool rename_cell(void *name, const bb_results *to, const bb_results *from, uint32_t row,
+                        bb_target *target)
+{
+    static char kernel[160], builder[160];
+    const char **names = target->cell.names;
+    (void)to;
+    if (names[BB_SCENE] == NULL)
+        return true;
+    if (strcmp(names[BB_SCENE], sample_scenes[0].name) != 0)
+        return false; /* else there were three of one name */
+    names[BB_SCENE] = name;
+    if (names[BB_BUILDER] == NULL)
+        return true;
+    snprintf(builder, sizeof builder, "%s%s", (const char *)name, names[BB_BUILDER]);
+    names[BB_BUILDER] = builder;
+    if (names[BB_QUESTION] == NULL)
+        return true;
+    /* still one name for each layout: the key knows a layout by its kernel */
+    snprintf(kernel, sizeof kernel, "%s%s", (const char *)name,
+             bb_table_get_text(from->table, row, "layout"));
+    names[BB_KERNEL] = kernel;
+    if (names[BB_INTERSECTOR] != NULL && strcmp(names[BB_INTERSECTOR], "exact") == 0)
+        names[BB_INTERSECTOR] = "@a ^{b} _c %d \xC3\xA9";
+    return true;
+}
+
+/* The results written and read again, with other names, and keys that follow these. */
+static bb_results *named_anew(bb_results *results, char *name)
 {
     char path[600];
     bb_results *again = NULL;
-    cJSON *trace;
+    ASSERT_OK(bb_results_make(&again));
+    ASSERT_OK(bb_results_copy(again, results, rename_cell, name));
+    bb_results_replace(results, again);
     snprintf(path, sizeof path, "%s/anew.json", sample_folder("charts_anew"));
-    cJSON_ArrayForEach(trace, cJSON_GetObjectItem(bb_results_json(results), "traces"))
-    {
-        cJSON_DeleteItemFromObject(trace, "cell");
-        assert_true(bb_put_missing_key(trace));
+    for (bb_entry *trace = entry_at(results, BB_TRACES, 0); trace != NULL; trace = trace->next) {
+        bb_put_text(trace, BB_F_TRACE_CELL, "");
+        bb_put_missing_key(trace);
     }
-    assert_int_equal(bb_results_write(results, path), BB_OK);
+    ASSERT_OK(bb_results_write(results, path));
     bb_results_destroy(results);
-    if (bb_results_read(path, &again) != BB_OK)
-        fail_msg("%s", bb_message());
+    ASSERT_OK(bb_results_read(path, &again));
     return again;
 }
 
@@ -473,22 +481,7 @@ static void names_are_text_to_gnuplot(void **state)
     snprintf(folder, sizeof folder, "%s/charts", sample_folder("charts_hostile"));
     bb_results *results = sample_results(NULL);
     snprintf(name, sizeof name, "x'.system('touch ran').`touch ran`\"\n$a\\");
-    cJSON *trace;
-    cJSON_ArrayForEach(trace, cJSON_GetObjectItem(bb_results_json(results), "traces"))
-    {
-        /* still one name for each layout: the key knows a layout by its kernel */
-        const cJSON *layout = cJSON_GetObjectItem(trace, "layout");
-        char kernel[160];
-        snprintf(kernel, sizeof kernel, "%s%s", name,
-                 cJSON_IsString(layout) ? layout->valuestring : "");
-        cJSON_ReplaceItemInObject(trace, "kernel", cJSON_CreateString(kernel));
-    }
-    set_all(results, "scenes", "name", name);
-    set_all(results, "builds", "scene", name);
-    set_all(results, "traces", "scene", name);
-    set_all(results, "traces", "builder", name);
-    set_all(results, "traces", "intersector", "@a ^{b} _c %d \xC3\xA9");
-    results = named_anew(results);
+    results = named_anew(results, name);
     uint32_t pictures;
     snprintf(path, sizeof path, "%s/ran", folder);
     unlink(path);

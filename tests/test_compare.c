@@ -14,29 +14,46 @@ static const history_change nothing = {-1, -1, -1};
 
 typedef void edit_fn(bb_results *results);
 
-static cJSON *trace_at(bb_results *results, int index)
+static bb_entry *trace_at(bb_results *results, int index)
 {
-    return cJSON_GetArrayItem(section(results, "traces"), index);
+    return entry_at(results, BB_TRACES, index);
 }
 
-static cJSON *build_at(bb_results *results, int index)
+static bb_entry *build_at(bb_results *results, int index)
 {
-    return cJSON_GetArrayItem(section(results, "builds"), index);
+    return entry_at(results, BB_BUILDS, index);
 }
 
-static void scale(cJSON *object, const char *name, double factor)
+static void scale(bb_entry *entry, bb_field_id field, double factor)
 {
-    cJSON *item = member(object, name);
-    cJSON_SetNumberValue(item, item->valuedouble * factor);
+    bb_put_number(entry, field, factor * bb_get_number(entry, field));
 }
 
-static void scale_ms(cJSON *trace, double factor)
+static void scale_metric(bb_results *results, bb_entry *build, const char *name, double factor)
 {
-    cJSON *round;
-    cJSON_ArrayForEach(round, member(trace, "ms"))
-    {
-        cJSON_SetNumberValue(round, round->valuedouble * factor);
-    }
+    put_metric(results, build, name, factor * metric_of(build, name));
+}
+
+static void scale_ms(bb_entry *trace, double factor)
+{
+    bb_samples rounds;
+    assert_true(bb_get_samples(trace, BB_F_TRACE_MS, &rounds));
+    for (uint32_t i = 0; i < rounds.count; i++)
+        rounds.values[i] *= factor;
+    bb_put_rounds(trace, BB_F_TRACE_MS, &rounds);
+}
+
+/* Takes away all figures of a part of the entry. */
+static void clear_part(bb_entry *entry, bb_field_part part)
+{
+    for (int id = 0; id < BB_FIELDS; id++)
+        if (bb_fields[id].part == part)
+            bb_put_number(entry, (bb_field_id)id, (double)NAN);
+}
+
+static void set_context(bb_results *results, bb_field_id field, const char *text)
+{
+    ASSERT_OK(bb_results_set_text(results, field, text));
 }
 
 static void edit_nothing(bb_results *results)
@@ -69,36 +86,36 @@ static bb_comparison_result compare_with(edit_fn *edit, char *text, size_t capac
 /* Edits; what is worse afterwards; words of the text. */
 static void edit_sah(bb_results *r)
 {
-    scale(member(build_at(r, 3), "tree"), "sah", 1.02);
+    scale_metric(r, build_at(r, 3), "sah", 1.02);
 }
 static void edit_sah_better(bb_results *r)
 {
-    scale(member(build_at(r, 3), "tree"), "sah", 0.98);
+    scale_metric(r, build_at(r, 3), "sah", 0.98);
 }
 static void edit_layout_sah(bb_results *r)
 {
-    scale(member(build_at(r, 3), "layouts_sah"), "pair:leaf=4", 1 + 1e-12);
+    scale(bb_results_part(r, build_at(r, 3), "pair:leaf=4"), BB_F_BUILD_LAYOUTS_SAH, 1 + 1e-12);
 }
 static void edit_nodes(bb_results *r)
 {
-    scale(member(build_at(r, 3), "tree"), "nodes", 1.5);
+    scale(build_at(r, 3), BB_F_TREE_NODES, 1.5);
 }
 static void edit_bytes(bb_results *r)
 {
-    cJSON *bytes = member(member(build_at(r, 3), "tree"), "bytes_peak");
-    cJSON_SetNumberValue(bytes, bytes->valuedouble + 1);
+    bb_entry *build = build_at(r, 3);
+    bb_put_number(build, BB_F_TREE_BYTES_PEAK, bb_get_number(build, BB_F_TREE_BYTES_PEAK) + 1);
 }
 static void edit_tests(bb_results *r)
 {
-    scale(trace_at(r, 5), "node_tests_per_ray", 1.001);
+    scale(trace_at(r, 5), BB_F_TRACE_NODE_TESTS, 1.001);
 }
 static void edit_missed(bb_results *r)
 {
-    cJSON_SetNumberValue(member(member(trace_at(r, 0), "accuracy"), "missed"), 1);
+    bb_put_number(trace_at(r, 0), BB_F_ACCURACY_MISSED, 1);
 }
 static void edit_failed(bb_results *r)
 {
-    set_text(trace_at(r, 5), "status", "failed");
+    bb_put_text(trace_at(r, 5), BB_F_TRACE_STATUS, "failed");
 }
 static void edit_slower(bb_results *r)
 {
@@ -110,88 +127,86 @@ static void edit_faster(bb_results *r)
 }
 static void edit_slower_reference(bb_results *r)
 {
-    cJSON *trace;
-    cJSON_ArrayForEach(trace, section(r, "traces"))
-    {
-        if (cJSON_IsTrue(member(trace, "reference"))) {
-            scale_ms(trace, 1.5);
-            return;
-        }
-    }
+    bb_entry *trace = trace_at(r, 0);
+    while (!bb_get_true(trace, BB_F_TRACE_REFERENCE))
+        trace = trace->next;
+    scale_ms(trace, 1.5);
 }
 static void edit_slower_elsewhere(bb_results *r)
 {
     edit_slower(r);
-    set_text(member(bb_results_json(r), "context"), "device", "another device");
+    set_context(r, BB_F_CONTEXT_DEVICE, "another device");
 }
 static void edit_slower_host(bb_results *r)
 {
     edit_slower(r);
-    set_text(member(bb_results_json(r), "context"), "host", "there");
+    set_context(r, BB_F_CONTEXT_HOST, "there");
 }
 static void edit_rays(bb_results *r)
 {
-    set_text(trace_at(r, 5), "rays_hash", "0123");
+    bb_put_text(trace_at(r, 5), BB_F_TRACE_RAYS_HASH, "0123");
     scale_ms(trace_at(r, 5), 1.5);
-    scale(trace_at(r, 5), "node_tests_per_ray", 1.5);
+    scale(trace_at(r, 5), BB_F_TRACE_NODE_TESTS, 1.5);
 }
 static void edit_cut_rounds(bb_results *r)
 {
     edit_slower(r);
-    cJSON_DeleteItemFromArray(member(trace_at(r, 5), "ms"), 6);
+    bb_samples rounds;
+    assert_true(bb_get_samples(trace_at(r, 5), BB_F_TRACE_MS, &rounds));
+    rounds.count--;
+    bb_put_rounds(trace_at(r, 5), BB_F_TRACE_MS, &rounds);
 }
 static void edit_gone(bb_results *r)
 {
-    cJSON_DeleteItemFromArray(section(r, "traces"), 5);
+    leave_out_entry(r, trace_at(r, 5));
 }
 static void edit_twice(bb_results *r)
 {
-    assert_true(cJSON_AddItemToArray(section(r, "traces"), cJSON_Duplicate(trace_at(r, 5), 1)));
+    bb_put_text(trace_at(r, 6), BB_F_TRACE_CELL, bb_get_text(trace_at(r, 5), BB_F_TRACE_CELL));
 }
 static void edit_seed(bb_results *r)
 {
-    set_text(member(bb_results_json(r), "context"), "seed", "7");
+    set_context(r, BB_F_CONTEXT_SEED, "7");
 }
 static void edit_no_figure(bb_results *r)
 {
-    cJSON_DeleteItemFromObject(member(build_at(r, 3), "tree"), "sah");
+    put_metric(r, build_at(r, 3), "sah", (double)NAN);
 }
 
 static void edit_no_tree(bb_results *r)
 {
-    set_item(build_at(r, 3), "tree", cJSON_CreateNull());
+    bb_entry *build = build_at(r, 3);
+    clear_part(build, BB_IN_TREE);
+    for (uint32_t m = 0; m < bb_metric_count(); m++)
+        put_metric(r, build, bb_metrics[m]->name, (double)NAN);
 }
 static void edit_unjudged(bb_results *r)
 {
-    set_item(trace_at(r, 5), "accuracy", cJSON_CreateNull());
+    clear_part(trace_at(r, 5), BB_IN_ACCURACY);
 }
 static void edit_fewer_judged(bb_results *r)
 {
-    scale(member(trace_at(r, 5), "accuracy"), "checked", 0.5);
+    scale(trace_at(r, 5), BB_F_ACCURACY_CHECKED, 0.5);
 }
 static void edit_none_judged(bb_results *r)
 {
-    scale(member(trace_at(r, 5), "accuracy"), "checked", 0);
+    scale(trace_at(r, 5), BB_F_ACCURACY_CHECKED, 0);
 }
+static void put_in_all(bb_results *r, bb_section_id section, bb_field_id field, const char *text)
+{
+    for (bb_entry *entry = entry_at(r, section, 0); entry != NULL; entry = entry->next)
+        bb_put_text(entry, field, text);
+}
+
 static void edit_all_scenes(bb_results *r)
 {
-    cJSON *scene;
-    cJSON_ArrayForEach(scene, section(r, "scenes"))
-    {
-        set_text(scene, "hash", "0123456789abcdef");
-    }
+    put_in_all(r, BB_SCENES, BB_F_SCENE_HASH, "0123456789abcdef");
 }
 
 static void edit_all_failed(bb_results *r)
 {
-    static const char *const sections[] = {"builds", "traces"};
-    for (size_t i = 0; i < 2; i++) {
-        cJSON *entry;
-        cJSON_ArrayForEach(entry, section(r, sections[i]))
-        {
-            set_text(entry, "status", "failed");
-        }
-    }
+    put_in_all(r, BB_BUILDS, BB_F_BUILD_STATUS, "failed");
+    put_in_all(r, BB_TRACES, BB_F_TRACE_STATUS, "failed");
 }
 
 static void what_moved_and_what_is_worse(void **state)
@@ -205,7 +220,7 @@ static void what_moved_and_what_is_worse(void **state)
         {edit_nothing, 0, 0, "nothing is worse"},
         {edit_sah, 1, 1, " sah "},
         {edit_sah_better, 0, 1, " better: 1"},
-        {edit_layout_sah, 1, 1, "layouts_sah pair:leaf=4"},
+        {edit_layout_sah, 1, 1, "layout_sah pair:leaf=4"},
         {edit_nodes, 0, 1, " changed: 1"},
         {edit_bytes, 1, 1, "bytes_peak"},
         {edit_tests, 1, 1, "node_tests_per_ray"},
@@ -262,10 +277,9 @@ static void cells_of_two_devices_do_not_meet(void **state)
         bb_results *runs[2];
         for (int k = 0; k < 2; k++) {
             bb_results *run = history_run("one", "here", "2024-01-01T00:00:00Z", nothing, 1);
-            cJSON *context = member(bb_results_json(run), "context");
             runs[k] = run;
-            set_text(context, "device_type", cases[i].types[k]);
-            set_text(context, "device", cases[i].names[k]);
+            set_context(run, BB_F_CONTEXT_DEVICE_TYPE, cases[i].types[k]);
+            set_context(run, BB_F_CONTEXT_DEVICE, cases[i].names[k]);
             ASSERT_OK(bb_cell_set_of_results(run, k == 0 ? "OLD" : "NEW", &sets[k]));
         }
         /* nor do they stand in one report */
@@ -294,7 +308,7 @@ static void edit_much(bb_results *r)
     scale_ms(trace_at(r, 20), 2);
     scale_ms(trace_at(r, 30), 0.4);
     edit_gone(r); /* number 5: only 20 and 30 are left of the times */
-    set_text(build_at(r, 4), "cell", "odd|`key`\033[31m");
+    bb_put_text(build_at(r, 4), BB_F_BUILD_CELL, "odd|`key`\033[31m");
 }
 
 static void worst_comes_first_and_markdown_holds(void **state)
@@ -316,11 +330,10 @@ static void worst_comes_first_and_markdown_holds(void **state)
 
 static void edit_texts(bb_results *r)
 {
-    cJSON *context = member(bb_results_json(r), "context");
-    set_text(context, "revision",
-             "[x](https://e.test) ![i](u) @all #1 <b> *a* _b_ `c | $d$\033[2J");
-    set_text(context, "driver", "www.e.test");
-    set_text(context, "device", "see http://e.test");
+    set_context(r, BB_F_CONTEXT_REVISION,
+                "[x](https://e.test) ![i](u) @all #1 <b> *a* _b_ `c | $d$\033[2J");
+    set_context(r, BB_F_CONTEXT_DRIVER, "www.e.test");
+    set_context(r, BB_F_CONTEXT_DEVICE, "see http://e.test");
 }
 
 /* Whatever a file says, nothing of it is markup. */
@@ -375,7 +388,7 @@ static bb_status compare_pairs(edit_fn *edit, int side, uint32_t number,
 
 static void edit_revision(bb_results *r)
 {
-    set_text(member(bb_results_json(r), "context"), "revision", "two");
+    set_context(r, BB_F_CONTEXT_REVISION, "two");
 }
 
 static void any_pair_that_counts_decides(void **state)
@@ -427,7 +440,7 @@ static void any_pair_that_counts_decides(void **state)
 static void senses_of_figures(void **state)
 {
     (void)state;
-    static const char *const costs[] = {"sah",       "layouts_sah pair",   "bytes_tree",
+    static const char *const costs[] = {"sah",       "layout_sah pair",    "bytes_tree",
                                         "missed",    "prim_tests_per_ray", "wrong_t",
                                         "overflowed"};
     static const char *const neutral[] = {"nodes", "depth",     "count",
@@ -466,7 +479,7 @@ static void write_document(const char *name, edit_fn *edit, uint64_t seed)
 
 static void write_texts(bb_results *r)
 {
-    set_text(member(bb_results_json(r), "context"), "shard", "\033[2J\033]0;title\007");
+    set_context(r, BB_F_CONTEXT_SHARD, "\033[2J\033]0;title\007");
 }
 
 /* Nor does it steer the terminal from within a message. */
@@ -535,7 +548,7 @@ static void results_as_google_benchmark(void **state)
     const outcome *o =
         run_program("", "sh", "-c '" BB_TEST_PROGRAM " report a.json --google-benchmark >gb.json'");
     assert_int_equal(o->exit_status, 0);
-    cJSON *json = read_results("gb.json"), *entry, *a = read_results("a.json"), *trace;
+    cJSON *json = read_json("gb.json"), *entry, *a = read_results("a.json"), *trace;
     cJSON *list = cJSON_GetObjectItem(json, "benchmarks");
     assert_true(cJSON_IsString(member(member(json, "context"), "host_name")));
     int rounds = 0;

@@ -202,10 +202,11 @@ static void tables_are_told_from_results(void **state)
     write_file("sorted.json", sorted, strlen(sorted));
     write_file("other.json", other, strlen(other));
     snprintf(path, sizeof path, "%s/sorted.json", folder);
-    assert_true(bb_table_is_file(path));
+    assert_true(bb_table_is_other(path, "run"));
+    assert_false(bb_table_is_other(path, "slice"));
     snprintf(path, sizeof path, "%s/other.json", folder);
-    assert_false(bb_table_is_file(path));
-    assert_false(bb_table_is_file("/nowhere"));
+    assert_false(bb_table_is_other(path, "run"));
+    assert_false(bb_table_is_other("/nowhere", "run"));
 }
 
 /* Every command that writes a table appends it, at once or later; what it wrote compares with
@@ -233,7 +234,7 @@ static void commands_write_what_is_compared(void **state)
         expect(0, arguments, "");
         snprintf(arguments, sizeof arguments, "compare %s %s", file, file);
         expect(0, arguments, "nothing is worse");
-        cJSON *table = read_results(file), *row, *changed = NULL;
+        cJSON *table = read_json(file), *row, *changed = NULL;
         cJSON_ArrayForEach(row, cJSON_GetObjectItem(table, "rows"))
         {
             const char *const figures[] = {"nodes", "tree_bytes", "checked", "bytes"};

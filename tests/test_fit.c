@@ -166,69 +166,47 @@ static void no_other_alpha_is_better(void **state)
 
 /* ---- of a document ---- */
 
-static cJSON *put(cJSON *list)
+static bb_entry *add_build(bb_results *d, const char *scene, const char *builder, double sah,
+                           double epo)
 {
-    cJSON *entry = cJSON_CreateObject();
-    cJSON_AddItemToArray(list, entry);
-    return entry;
-}
-
-static void add_build(document *d, int id, const char *scene, const char *builder, double sah,
-                      double epo)
-{
-    cJSON *build = put(d->builds), *tree;
-    cJSON_AddNumberToObject(build, "id", id);
-    cJSON_AddStringToObject(build, "scene", scene);
-    cJSON_AddStringToObject(build, "builder", builder);
-    cJSON_AddStringToObject(build, "status", "ok");
-    tree = cJSON_AddObjectToObject(build, "tree");
-    cJSON_AddNumberToObject(tree, "nodes", 99);
-    cJSON_AddNumberToObject(tree, "sah", sah);
+    bb_entry *build = new_build(d, scene, builder);
+    bb_put_number(build, BB_F_TREE_NODES, 99);
+    bb_table_set_number(d->table, build->row, bb_metric_column(&bb_metric_sah, false), sah);
     if (epo > 0)
-        cJSON_AddNumberToObject(tree, "epo_quick", epo);
+        bb_table_set_number(d->table, build->row,
+                            bb_metric_column(bb_metrics[bb_metric_find("epo_quick")], false), epo);
+    return build;
 }
 
-static cJSON *add_trace(document *d, int id, const char *scene, const char *builder,
-                        const char *rays, const char *kernel, double ns, double work)
+static bb_entry *add_trace(bb_results *d, const char *scene, const char *builder, const char *rays,
+                           const char *kernel, double ns, double work)
 {
-    cJSON *trace = put(d->traces);
-    cJSON_AddNumberToObject(trace, "build", id);
-    cJSON_AddStringToObject(trace, "scene", scene);
-    cJSON_AddStringToObject(trace, "builder", builder);
-    cJSON_AddStringToObject(trace, "kernel", kernel);
-    cJSON_AddStringToObject(trace, "intersector", "exact");
-    cJSON_AddStringToObject(trace, "rays", rays);
-    cJSON_AddStringToObject(trace, "rays_hash", rays);
-    cJSON_AddNumberToObject(trace, "count", 1e6);
-    cJSON_AddStringToObject(trace, "status", "ok");
-    cJSON_AddNumberToObject(trace, "mrays_s", 1e3 / ns);
-    cJSON_AddBoolToObject(trace, "counts_for_exit", 1);
-    cJSON_AddNumberToObject(trace, "node_tests_per_ray", (work - 1) / 0.6);
-    cJSON_AddNumberToObject(trace, "prim_tests_per_ray", 1);
-    cJSON_AddNumberToObject(trace, "work_per_ray", work);
+    bb_entry *trace = new_trace(d, scene, builder, rays, kernel, "exact");
+    bb_put_number(trace, BB_F_TRACE_RATE_GIVEN, 1e3 / ns);
+    bb_put_flag(trace, BB_F_TRACE_COUNTS, true);
+    bb_put_number(trace, BB_F_TRACE_NODE_TESTS, (work - 1) / 0.6);
+    bb_put_number(trace, BB_F_TRACE_PRIM_TESTS, 1);
     return trace;
 }
 
 /* Each builder on each scene, by two kernels on two kinds of rays: `primary` of alpha 0.3,
  * `diffuse` of 0.8; the work is in proportion to the time. Without `epo` nobody measured
  * it. */
-static document make_document(int scenes, bool epo)
+static bb_results *make_document(int scenes, bool epo)
 {
-    document d = empty_document();
+    bb_results *d = empty_document();
     for (int s = 0; s < scenes; s++) {
         char scene[16];
         snprintf(scene, sizeof scene, "scene%d", s);
-        cJSON *entry = put(d.scenes);
-        cJSON_AddStringToObject(entry, "name", scene);
-        cJSON_AddNumberToObject(entry, "prims", 1000);
+        add_scene(d, scene, 1000);
         for (int b = 0; b < TREES; b++) {
             char builder[16];
             double x = costs[b][0] * (1 + 0.2 * s), y = costs[b][1] * (1 + 0.1 * s * b);
             snprintf(builder, sizeof builder, "b%d", b);
-            add_build(&d, s * TREES + b, scene, builder, x, epo ? y : 0);
+            add_build(d, scene, builder, x, epo ? y : 0);
             for (int k = 0; k < 4; k++) {
                 double alpha = k < 2 ? 0.3 : 0.8, cost = (1 - alpha) * x + alpha * y;
-                add_trace(&d, s * TREES + b, scene, builder, k < 2 ? "primary" : "diffuse",
+                add_trace(d, scene, builder, k < 2 ? "primary" : "diffuse",
                           k % 2 == 0 ? "stack" : "stack8", cost * (k % 2 == 0 ? 9 : 4) * (1 + s),
                           1 + cost);
             }
@@ -240,8 +218,8 @@ static document make_document(int scenes, bool epo)
 static void a_document_is_fitted_by_kind_of_rays(void **state)
 {
     (void)state;
-    document d = make_document(3, true);
-    bb_results *results = read_back(&d);
+    bb_results *d = make_document(3, true);
+    bb_results *results = read_back(d);
     bb_predictions made;
     ASSERT_OK(bb_predictions_make(results, &made));
     assert_int_equal(made.count, 2);
@@ -281,15 +259,15 @@ static void a_document_is_fitted_by_kind_of_rays(void **state)
 static void other_rays_are_another_group(void **state)
 {
     (void)state;
-    document d = make_document(1, true);
+    bb_results *d = make_document(1, true);
     for (int b = 0; b < TREES; b++) {
         char builder[16];
         snprintf(builder, sizeof builder, "b%d", b);
         const double cost = 0.7 * costs[b][0] + 0.3 * costs[b][1];
-        cJSON *trace = add_trace(&d, b, "scene0", builder, "primary", "stack", 50 * cost, 1 + cost);
-        cJSON_ReplaceItemInObject(trace, "rays_hash", cJSON_CreateString("others"));
+        bb_entry *trace = add_trace(d, "scene0", builder, "primary", "stack", 50 * cost, 1 + cost);
+        bb_put_text(trace, BB_F_TRACE_RAYS_HASH, "others");
     }
-    bb_results *results = read_back(&d);
+    bb_results *results = read_back(d);
     bb_predictions made;
     ASSERT_OK(bb_predictions_make(results, &made));
     assert_int_equal(made.kinds[0].record.cells, 3 * TREES);
@@ -303,22 +281,16 @@ static void other_rays_are_another_group(void **state)
 static void only_sound_cells_enter(void **state)
 {
     (void)state;
-    document d = make_document(1, true);
-    add_build(&d, 50, "scene0", "leaf", 1e5, 3);
-    cJSON_SetNumberHelper(
-        cJSON_GetObjectItem(cJSON_GetObjectItem(cJSON_GetArrayItem(d.builds, TREES), "tree"),
-                            "nodes"),
-        1);
-    add_trace(&d, 50, "scene0", "leaf", "primary", "stack", 1e6, 1e5);
-    cJSON_ReplaceItemInObject(add_trace(&d, 0, "scene0", "b0", "primary", "stack", 5, 9),
-                              "counts_for_exit", cJSON_CreateFalse());
-    add_trace(&d, 1, "scene0", "b1", "primary", "trail", 5, 9); /* alone */
-    cJSON_AddBoolToObject(add_trace(&d, 2, "scene0", "b2", "primary", "stack", 5, 9), "wrong", 1);
-    cJSON_AddBoolToObject(add_trace(&d, 3, "scene0", "b3", "primary", "stack", 5, 9), "reference",
-                          1);
-    add_trace(&d, 1, "scene0", "b1", "rare", "stack", 5, 9); /* two trees are too few */
-    add_trace(&d, 2, "scene0", "b2", "rare", "stack", 6, 9);
-    bb_results *results = read_back(&d);
+    bb_results *d = make_document(1, true);
+    bb_put_number(add_build(d, "scene0", "leaf", 1e5, 3), BB_F_TREE_NODES, 1);
+    add_trace(d, "scene0", "leaf", "primary", "stack", 1e6, 1e5);
+    bb_put_flag(add_trace(d, "scene0", "b0", "primary", "stack", 5, 9), BB_F_TRACE_COUNTS, false);
+    add_trace(d, "scene0", "b1", "primary", "trail", 5, 9); /* alone */
+    bb_put_flag(add_trace(d, "scene0", "b2", "primary", "stack", 5, 9), BB_F_TRACE_WRONG, true);
+    bb_put_flag(add_trace(d, "scene0", "b3", "primary", "stack", 5, 9), BB_F_TRACE_REFERENCE, true);
+    add_trace(d, "scene0", "b1", "rare", "stack", 5, 9); /* two trees are too few */
+    add_trace(d, "scene0", "b2", "rare", "stack", 6, 9);
+    bb_results *results = read_back(d);
     bb_predictions made;
     ASSERT_OK(bb_predictions_make(results, &made));
     assert_int_equal(made.count, 2);
@@ -332,8 +304,8 @@ static void only_sound_cells_enter(void **state)
 static void without_epo_sah_and_work_are_judged(void **state)
 {
     (void)state;
-    document d = make_document(3, false);
-    bb_results *results = read_back(&d);
+    bb_results *d = make_document(3, false);
+    bb_results *results = read_back(d);
     bb_predictions made;
     ASSERT_OK(bb_predictions_make(results, &made));
     assert_int_equal(made.count, 2);
@@ -349,31 +321,32 @@ static void without_epo_sah_and_work_are_judged(void **state)
 static void it_is_recorded_once(void **state)
 {
     (void)state;
-    document d = make_document(3, true), e = make_document(3, true);
-    bb_results *results = read_back(&d), *more = read_back(&e);
+    bb_results *d = make_document(3, true), *e = make_document(3, true);
+    bb_results *results = read_back(d), *more = read_back(e);
     ASSERT_OK(bb_predictions_record(results));
     ASSERT_OK(bb_predictions_record(results));
-    const cJSON *list = bb_results_section(results, BB_PREDICTIONS);
-    assert_int_equal(cJSON_GetArraySize(list), 2);
-    assert_close(bb_json_number(list->child, "alpha"), 0.3, 1e-5);
-    char *text = bb_results_print(results, true);
-    assert_non_null(strstr(text, "\"unseen_error\""));
-    document again = {.root = cJSON_Parse(text)};
-    cJSON_free(text);
-    bb_results *read = read_back(&again); /* its types are checked */
+    const bb_section *list = bb_results_section(results, BB_PREDICTIONS);
+    assert_int_equal(bb_section_count(list), 2);
+    assert_close(bb_get_number(bb_first(list), BB_F_PREDICTION_ALPHA), 0.3, 1e-5);
+    assert_true(bb_get_number(bb_first(list), BB_F_PREDICTION_UNSEEN) >= 0);
+    bb_results *read = read_back(results);
+    assert_close(
+        bb_get_number(bb_first(bb_results_section(read, BB_PREDICTIONS)), BB_F_PREDICTION_ALPHA),
+        0.3, 1e-5);
     ASSERT_OK(bb_results_merge(read, more));
-    assert_null(bb_results_section(read, BB_PREDICTIONS));
+    bb_each(prediction, bb_results_section(read, BB_PREDICTIONS))
+        assert_true(isnan(bb_get_number(prediction, BB_F_PREDICTION_CELLS)));
     ASSERT_OK(bb_predictions_record(read));
     list = bb_results_section(read, BB_PREDICTIONS);
-    assert_int_equal(bb_json_number(list->child, "groups"), 12); /* of two runs */
+    assert_int_equal(bb_section_count(list), 2);
+    assert_true(bb_get_number(bb_first(list), BB_F_PREDICTION_GROUPS) == 12); /* of two runs */
     bb_results_destroy(read);
-    bb_results_destroy(results);
     bb_results_destroy(more);
 }
 
 /* ---- trees that cost too much ---- */
 
-static void expect_warning(document *d, const char *words)
+static void expect_warning(bb_results *d, const char *words)
 {
     char text[BB_IMPLAUSIBLE];
     bb_results *results = read_back(d);
@@ -388,35 +361,29 @@ static void expect_warning(document *d, const char *words)
 static void a_tree_of_three_times_the_sweep_is_named(void **state)
 {
     (void)state;
-    document d = make_document(2, true);
-    expect_warning(&d, NULL);
+    bb_results *d = make_document(2, true);
+    expect_warning(d, NULL);
     d = make_document(2, true);
-    add_build(&d, 60, "scene1", "broken", 101, 3); /* the least on scene1 is 33.6 */
-    expect_warning(&d, "broken on scene1 has 3.01 times that of b3");
+    add_build(d, "scene1", "broken", 101, 3); /* the least on scene1 is 33.6 */
+    expect_warning(d, "broken on scene1 has 3.01 times that of b3");
     d = make_document(2, true);
-    add_build(&d, 60, "scene1", "broken", 101, 3);
-    add_build(&d, 61, "scene1", "sah", 34, 3);
-    expect_warning(&d, NULL);
+    add_build(d, "scene1", "broken", 101, 3);
+    add_build(d, "scene1", "sah", 34, 3);
+    expect_warning(d, NULL);
     d = make_document(2, true);
-    add_build(&d, 60, "scene1", "broken", 101, 3);
-    add_build(&d, 61, "scene1", "sah:method=binned", 30, 3);
-    add_build(&d, 62, "scene1", "sah:method=sweep", 33, 3);
-    cJSON_AddStringToObject(
-        cJSON_AddObjectToObject(cJSON_GetArrayItem(d.builds, 2 * TREES + 2), "params"), "method",
-        "sweep");
-    expect_warning(&d, "broken on scene1 has 3.06 times that of sah:method=sweep");
+    add_build(d, "scene1", "broken", 101, 3);
+    add_build(d, "scene1", "sah:method=binned", 30, 3);
+    const bb_entry *sweep = add_build(d, "scene1", "sah:method=sweep", 33, 3);
+    bb_put_text(bb_results_part(d, sweep, "method"), BB_F_BUILD_PARAMS, "sweep");
+    expect_warning(d, "broken on scene1 has 3.06 times that of sah:method=sweep");
     d = make_document(2, true); /* neither is the reference: the cheapest is taken */
-    add_build(&d, 60, "scene1", "broken", 101, 3);
-    add_build(&d, 61, "scene1", "presplit+sah", 34, 3);
-    add_build(&d, 62, "scene1", "sahara", 34, 3);
-    expect_warning(&d, "broken on scene1 has 3.01 times that of b3");
+    add_build(d, "scene1", "broken", 101, 3);
+    add_build(d, "scene1", "presplit+sah", 34, 3);
+    add_build(d, "scene1", "sahara", 34, 3);
+    expect_warning(d, "broken on scene1 has 3.01 times that of b3");
     d = make_document(2, true);
-    add_build(&d, 60, "scene1", "one-leaf", 1e5, 0);
-    cJSON_SetNumberHelper(
-        cJSON_GetObjectItem(cJSON_GetObjectItem(cJSON_GetArrayItem(d.builds, 2 * TREES), "tree"),
-                            "nodes"),
-        1);
-    expect_warning(&d, NULL);
+    bb_put_number(add_build(d, "scene1", "one-leaf", 1e5, 0), BB_F_TREE_NODES, 1);
+    expect_warning(d, NULL);
 }
 
 int main(void)

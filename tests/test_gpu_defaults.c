@@ -265,31 +265,32 @@ static void stacks_are_cut_to_the_device(void **state)
                         "--kernel stack,stack:stack=64,stack:stack=16,short --out cut");
     expect_word(o->err, "stack has a stack of 16 entries: the tree needs ", true);
     expect_word(o->err, "the kernel short takes any tree", true);
-    cJSON *results = read_results("cut/results.json");
-    const cJSON *trace;
+    char path[600];
+    bb_results *results;
     uint32_t cut = 0, refused = 0;
-    cJSON_ArrayForEach(trace, cJSON_GetObjectItem(results, "traces"))
+    snprintf(path, sizeof path, "%s/cut/results.json", folder);
+    assert_int_equal(bb_results_read(path, &results), BB_OK);
+    bb_each(trace, bb_results_section(results, BB_TRACES))
     {
-        const cJSON *decided =
-            cJSON_GetObjectItem(cJSON_GetObjectItem(trace, "decisions"), "stack entries");
-        const char *kernel = text_of(trace, "kernel");
+        const char *kernel = bb_get_text(trace, BB_F_TRACE_KERNEL);
+        const char *by = bb_get_named_text(trace, BB_F_DECIDED_BY, "stack entries");
         if (strcmp(kernel, "stack") == 0) {
             cut++;
-            assert_string_equal(text_of(decided, "by"), "device");
-            assert_true(number_of(decided, "value") == 16);
+            assert_string_equal(by, "device");
+            assert_true(bb_get_decided(trace, "stack entries") == 16);
         } else if (strcmp(kernel, "stack:stack=64") == 0) {
             refused++;
-            assert_string_equal(text_of(trace, "status"), "refused");
-            expect_word(text_of(trace, "reason"), "at most stack=16, or take the kernel short",
-                        true);
+            assert_string_equal(bb_get_text(trace, BB_F_TRACE_STATUS), "refused");
+            expect_word(bb_get_text(trace, BB_F_TRACE_REASON),
+                        "at most stack=16, or take the kernel short", true);
         } else if (strcmp(kernel, "stack:stack=16") == 0) {
-            assert_string_equal(text_of(decided, "by"), "given");
+            assert_string_equal(by, "given");
         } else if (strcmp(kernel, "short") == 0) {
-            assert_true(number_of(cJSON_GetObjectItem(trace, "accuracy"), "wrong_ppm") == 0);
+            assert_true(bb_get_number(trace, BB_F_ACCURACY_WRONG_PPM) == 0);
         }
     }
     assert_true(cut == 1 && refused == 1);
-    cJSON_Delete(results);
+    bb_results_destroy(results);
 }
 
 int main(void)

@@ -110,7 +110,10 @@ static void lost_devices(void **state)
         o = run_with(mock, ANIMATE " --out lost");
         assert_non_null(strstr(o->err, " (what was measured is in lost/animate.json)\n"));
         bb_table *table = read_table("lost/animate.json");
-        const bb_cell frame = {{"twist:n=300,frames=3", "0", NULL, "lbvh", NULL, "stack"}};
+        const bb_cell frame = {{[BB_SCENE] = "twist:n=300,frames=3",
+                                [BB_FRAME] = "0",
+                                [BB_BUILDER] = "lbvh",
+                                [BB_INTERSECTOR] = "stack"}};
         assert_string_equal(bb_table_get_text(table, 0, "interrupted"), "yes");
         assert_true(number(table, frame, "wrong") == 0);
         bb_table_free(table);

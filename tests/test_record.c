@@ -21,15 +21,15 @@ static const char *const context_fields[] = {"date",         "revision",
                                              "float_config", "embree_version",
                                              "handover",     "litmus_messages",
                                              "litmus_stale", NULL};
-static const char *const scene_fields[] = {"name", "kind",    "prims", "bounds",
-                                           "hash", "profile", NULL};
+static const char *const scene_fields[] = {"name", "kind",  "prims",   "lo_x", "hi_z",
+                                           "hash", "views", "profile", NULL};
 static const char *const build_fields[] = {
-    "id",          "scene",          "builder",         "params",
-    "status",      "reason",         "build_ms",        "cold_ms",
-    "handover",    "transfer_ms",    "prepare_ms",      "restore_ms",
-    "outside_ms",  "boxes_ms",       "inputs",          "tree",
-    "phases_ms",   "layouts_ms",     "build_ms_median", "build_ms_lo",
-    "build_ms_hi", "build_ms_least", "build_ms_most",   NULL};
+    "id",          "scene",          "builder",       "status",
+    "reason",      "build_ms",       "cold_ms",       "transfer_ms",
+    "prepare_ms",  "restore_ms",     "outside_ms",    "boxes_ms",
+    "inputs",      "build_handover", "build_ms_lo",   "build_ms_median",
+    "build_ms_hi", "build_ms_least", "build_ms_most", NULL};
+static const char *const build_parts[] = {"parameter", "phase_ms", "layout_ms", NULL};
 static const char *const tree_fields[] = {"nodes", "leaves",     "refs",       "arity", "depth",
                                           "sah",   "bytes_tree", "bytes_peak", "epo",   NULL};
 static const char *const trace_fields[] = {"build",
@@ -79,15 +79,16 @@ static void schema_is_complete(void **state)
 {
     (void)state;
     bb_results *results = sample_results(NULL);
-    const cJSON *root = bb_results_json(results), *row;
-    assert_string_equal(member(root, "schema")->valuestring, "bvhbench-results/1");
+    const cJSON *root = document_of(results), *row;
     has_fields(member(root, "context"), context_fields, "context");
     cJSON_ArrayForEach(row, section(results, "scenes")) has_fields(row, scene_fields, "a scene");
     cJSON_ArrayForEach(row, section(results, "builds"))
     {
         has_fields(row, build_fields, "a build");
-        if (cJSON_IsObject(member(row, "tree")))
-            has_fields(member(row, "tree"), tree_fields, "a tree");
+        if (cJSON_GetObjectItem(row, "tree") == NULL)
+            continue;
+        has_fields(member(row, "tree"), tree_fields, "a tree");
+        has_fields(row, build_parts, "a built tree");
     }
     cJSON_ArrayForEach(row, section(results, "traces"))
     {
@@ -101,7 +102,7 @@ static void context_describes_the_machine(void **state)
 {
     (void)state;
     bb_results *results = sample_results(NULL);
-    const cJSON *context = member(bb_results_json(results), "context");
+    const cJSON *context = member(document_of(results), "context");
     int year, month, day, hour, minute, second, end = 0;
     sscanf(member(context, "date")->valuestring, "%4d-%2d-%2dT%2d:%2d:%2dZ%n", &year, &month, &day,
            &hour, &minute, &second, &end);
@@ -130,10 +131,10 @@ static void parameters_have_their_defaults(void **state)
     bb_results *results = sample_results(NULL);
     const cJSON *lbvh = cJSON_GetArrayItem(section(results, "builds"), 4);
     assert_string_equal(member(lbvh, "builder")->valuestring, "lbvh:bits=63");
-    const cJSON *params = member(lbvh, "params");
+    const cJSON *params = member(lbvh, "parameter");
     assert_string_equal(member(params, "bits")->valuestring, "63");
     assert_string_equal(member(params, "quality")->valuestring, "medium");
-    assert_true(cJSON_IsNull(member(params, "seedless")));
+    assert_null(cJSON_GetObjectItem(params, "seedless"));
     bb_results_destroy(results);
 }
 
@@ -215,14 +216,16 @@ static void no_zero_for_what_was_not_measured(void **state)
     bb_context context = {NULL, 1, NULL};
     assert_int_equal(bb_results_create(&context, &results), BB_OK);
     sample_add_scene(results, &sample_scenes[0], 0);
-    sample_add_refusal(results, &sample_scenes[0], 0);
+    sample_add_refusal(results, &sample_scenes[0]);
     static const char *const null_of_build[] = {
-        "build_ms",     "build_ms_median", "mprims_s",    "cold_ms",        "transfer_ms",   "tree",
-        "bytes_native", "build_ms_lo",     "build_ms_hi", "build_ms_least", "build_ms_most", NULL};
+        "build_ms",       "build_ms_median", "mprims_s",    "cold_ms",
+        "transfer_ms",    "bytes_native",    "build_ms_lo", "build_ms_hi",
+        "build_ms_least", "build_ms_most",   NULL};
     const cJSON *build = section(results, "builds")->child;
     for (const char *const *name = null_of_build; *name != NULL; name++)
         if (!cJSON_IsNull(member(build, *name)))
             fail_msg("%s of a refused build is not null", *name);
+    assert_null(cJSON_GetObjectItem(build, "tree"));
     assert_string_equal(member(build, "status")->valuestring, "refused");
 
     bb_trace_record trace; /* as a careless caller leaves it: zeros */
@@ -246,7 +249,6 @@ static void no_zero_for_what_was_not_measured(void **state)
                                                 "node_tests_per_ray",
                                                 "prim_tests_per_ray",
                                                 "counted",
-                                                "accuracy",
                                                 "group_size",
                                                 "native",
                                                 "view",
@@ -256,17 +258,23 @@ static void no_zero_for_what_was_not_measured(void **state)
         if (!cJSON_IsNull(member(row, *name)))
             fail_msg("%s of an unsupported trace is not null", *name);
 
+    assert_null(cJSON_GetObjectItem(row, "accuracy"));
+
     trace.status = BB_OK;
     trace.has_accuracy = true; /* of no ray: there is no rate */
+    snprintf(trace.view, sizeof trace.view, "second");
     assert_int_equal(bb_results_add_trace(results, &trace), BB_OK);
-    assert_true(cJSON_IsNull(member(member(row->next, "accuracy"), "wrong_ppm")));
-    assert_true(cJSON_IsNull(member(member(row->next, "accuracy"), "overflowed")));
-
+    snprintf(trace.view, sizeof trace.view, "third");
     trace.counted = 5; /* with nothing overflowed: a measured 0 */
     assert_int_equal(bb_results_add_trace(results, &trace), BB_OK);
-    assert_true(member(row->next->next, "counted")->valuedouble == 5);
-    assert_true(member(member(row->next->next, "accuracy"), "overflowed")->valuedouble == 0);
-    assert_true(cJSON_IsNumber(member(member(row->next->next, "accuracy"), "overflowed")));
+    row = section(results, "traces")->child->next;
+    assert_true(cJSON_IsNull(member(member(row, "accuracy"), "wrong_ppm")));
+    assert_true(cJSON_IsNull(member(member(row, "accuracy"), "overflowed")));
+    assert_true(member(row->next, "counted")->valuedouble == 5);
+    assert_true(member(member(row->next, "accuracy"), "overflowed")->valuedouble == 0);
+    assert_true(cJSON_IsNumber(member(member(row->next, "accuracy"), "overflowed")));
+    assert_int_equal(bb_results_add_trace(results, &trace), BB_INVALID); /* a second time */
+    assert_non_null(strstr(bb_message(), "already"));
     bb_results_destroy(results);
 }
 
@@ -281,7 +289,7 @@ static void times_add_up(void **state)
     assert_int_equal(bb_results_set_total(results, 1, 2, 3), BB_OK);
     assert_int_equal(bb_results_add_step(results, "judge", 20), BB_OK);
     assert_int_equal(bb_results_set_total(results, 40, 80, 160), BB_OK);
-    const cJSON *root = bb_results_json(results), *times = member(root, "time_ms");
+    const cJSON *times = member(document_of(results), "time_ms");
     static const struct {
         const char *name;
         double ms;
@@ -299,9 +307,11 @@ static void a_trace_needs_its_build(void **state)
     bb_trace_record trace;
     bb_trace_record_init(&trace);
     trace.query = &bb_query_closest;
-    trace.build = 4711;
+    strcpy(trace.scene, "coffee");
+    strcpy(trace.builder, "unheard");
+    strcpy(trace.rays, "primary");
     assert_int_equal(bb_results_add_trace(results, &trace), BB_INVALID);
-    assert_non_null(strstr(bb_message(), "4711"));
+    assert_non_null(strstr(bb_message(), "unheard"));
     bb_results_destroy(results);
 }
 
@@ -314,22 +324,24 @@ static void numbers_come_back_exactly(void **state)
     bb_results *results = sample_results(NULL), *read = NULL;
     bb_random random = bb_random_make(77, 0);
     double values[2000];
-    cJSON *array = cJSON_AddArrayToObject(bb_results_json(results), "values");
+    char name[16];
     for (int i = 0; i < 2000; i++) {
         do {
             uint64_t bits = bb_random_u64(&random);
             memcpy(&values[i], &bits, sizeof bits);
-        } while (!isfinite(values[i]));
-        cJSON_AddItemToArray(array, cJSON_CreateNumber(values[i]));
+        } while (!isfinite(values[i]) || values[i] < 0); /* times are not negative */
+        snprintf(name, sizeof name, "value %d", i);
+        assert_int_equal(bb_results_add_step(results, name, values[i]), BB_OK);
     }
     assert_int_equal(bb_results_write(results, path), BB_OK);
     assert_int_equal(bb_results_read(path, &read), BB_OK);
     for (int i = 0; i < 2000; i++) {
-        double back = cJSON_GetArrayItem(section(read, "values"), i)->valuedouble;
+        snprintf(name, sizeof name, "value %d", i);
+        double back = bb_results_step_ms(read, name);
         if (memcmp(&back, &values[i], sizeof back) != 0)
             fail_msg("%a came back as %a (seed 77)", values[i], back);
     }
-    assert_true(cJSON_Compare(bb_results_json(results), bb_results_json(read), 1));
+    assert_true(cJSON_Compare(document_of(results), document_of(read), 1));
     bb_results_destroy(read);
     bb_results_destroy(results);
 }
@@ -415,7 +427,6 @@ static void fields_are_of_their_members(void **state)
                                  .bits_apart = 40,
                                  .bits_useful = 41};
     assert_int_equal(bb_results_add_scene(results, &scene, NULL), BB_OK);
-    build.id = 4000;
     build.spec = &spec;
     strcpy(build.scene, "other");
     build.cold_ms = 11;
@@ -434,7 +445,9 @@ static void fields_are_of_their_members(void **state)
     for (int i = 0; i < 9; i++)
         bb_samples_add(samples[i], 300 + i);
     assert_int_equal(bb_results_add_build(results, &build), BB_OK);
-    trace.build = 4000;
+    strcpy(trace.scene, "other");
+    strcpy(trace.builder, "lbvh");
+    strcpy(trace.rays, "primary");
     trace.count = 22;
     trace.group_size = 23;
     trace.stack_size = 24;
@@ -447,19 +460,15 @@ static void fields_are_of_their_members(void **state)
     trace.overflowed = 58;
     assert_int_equal(bb_results_add_trace(results, &trace), BB_OK);
     const struct {
-        const cJSON *entry;
+        const bb_entry *entry;
         bb_field_id field;
         double value;
     } cases[] = {
 #define OF(section, id, value) {section, BB_F_##id, value}
 #define SCENE bb_results_scene(results, "other")
-#define BUILD bb_results_build(results, 4000)
-#define TRACE                                                                                      \
-    cJSON_GetArrayItem(section(results, "traces"),                                                 \
-                       cJSON_GetArraySize(section(results, "traces")) - 1)
+#define BUILD results->sections[BB_BUILDS].last
+#define TRACE results->sections[BB_TRACES].last
         OF(SCENE, SCENE_PRIMS, 31),
-        OF(SCENE, SCENE_TRIANGLES, 32),
-        OF(SCENE, SCENE_SPHERES, 33),
         OF(SCENE, SCENE_IGNORED, 34),
         OF(SCENE, SCENE_OUT_OF_RANGE, 35),
         OF(SCENE, SCENE_SCALE, 36),
@@ -527,12 +536,12 @@ static void fields_are_of_their_members(void **state)
             fail_msg("%s is %g, not %g", bb_fields[cases[i].field].name,
                      bb_get_number(cases[i].entry, cases[i].field), cases[i].value);
     for (uint32_t i = 0; i < bb_metric_count(); i++) {
-        char half[BB_METRIC_FIELD];
-        bb_metric_half_name(bb_metrics[i], half);
         assert_true(bb_get_metric(BUILD, bb_metrics[i]) == 100 + i);
-        assert_true(!bb_metrics[i]->sampled ||
-                    bb_get_named(BUILD, BB_F_BUILD_TREE, half) == 200 + i);
+        assert_true(!bb_metrics[i]->sampled || bb_get_metric_half(BUILD, bb_metrics[i]) == 200 + i);
     }
+    const uint32_t scene_row = bb_place_of(SCENE);
+    assert_true(bb_table_get_number(results->table, scene_row, "triangles") == 32);
+    assert_true(bb_table_get_number(results->table, scene_row, "spheres") == 33);
     bb_results_destroy(results);
 }
 
@@ -541,14 +550,12 @@ static void names_of_metrics_are_free(void **state)
 {
     (void)state;
     for (uint32_t i = 0; i < bb_metric_count(); i++) {
-        char half[BB_METRIC_FIELD];
-        bb_metric_half_name(bb_metrics[i], half);
-        assert_in_range(strlen(bb_metrics[i]->name), 1, BB_METRIC_FIELD - 16);
+        const char *half = bb_metric_column(bb_metrics[i], true)->name;
+        assert_in_range(strlen(bb_metrics[i]->name), 1, 48);
         assert_int_equal(bb_metric_find(bb_metrics[i]->name), i);
         for (size_t f = 0; f < BB_FIELDS; f++)
-            assert_true(bb_fields[f].part != BB_IN_TREE ||
-                        (strcmp(bb_fields[f].name, bb_metrics[i]->name) != 0 &&
-                         strcmp(bb_fields[f].name, half) != 0));
+            assert_true(strcmp(bb_fields[f].name, bb_metrics[i]->name) != 0 &&
+                        strcmp(bb_fields[f].name, half) != 0);
     }
     assert_true(bb_metrics[bb_metric_count()] == NULL); /* else raise BB_METRICS_MAX */
 }

@@ -5,7 +5,7 @@
 #include "framework/report/report.h"
 #include "framework/workload/workload.h"
 #include "tests/fixture.h"
-#include "tests/report_sample.h"
+#include "tests/record_fixture.h"
 
 #include <cjson/cJSON.h>
 #include <errno.h>
@@ -82,8 +82,8 @@ static void table_hides_no_step(void **state)
     assert_non_null(strstr(text, "  total                               31.000 s\n"));
     free(text);
 
-    /* an older file: the steps and their sum */
-    cJSON_DeleteItemFromObjectCaseSensitive(bb_results_json(results), "time_ms");
+    /* merged with one without a total: the steps and their sum */
+    assert_int_equal(bb_results_set_total(results, NAN, NAN, NAN), BB_OK);
     text = table_of(results);
     assert_null(strstr(text, "accounted"));
     assert_non_null(strstr(text, "  total                                6.830 s\n"));
@@ -120,9 +120,8 @@ static void tables_show_what_trees_cost(void **state)
     assert_null(strstr(text, "above 3 times"));
     free(text);
     /* ten times what `sah` has */
-    cJSON *tree = cJSON_GetObjectItem(
-        cJSON_GetArrayItem(cJSON_GetObjectItem(bb_results_json(results), "builds"), 4), "tree");
-    cJSON_ReplaceItemInObject(tree, "sah", cJSON_CreateNumber(612));
+    bb_table_set_number(results->table, entry_at(results, BB_BUILDS, 4)->row,
+                        bb_metric_column(&bb_metric_sah, false), 612);
     out = open_memstream(&text, &size);
     assert_int_equal(bb_report_markdown(results, out), BB_OK);
     assert_int_equal(bb_report_verdict(results, out), BB_OK);
@@ -149,8 +148,7 @@ static void table_notes_partly_traced_sets(void **state)
 {
     (void)state;
     bb_results *results = sample_results(NULL);
-    cJSON *first = cJSON_GetObjectItem(bb_results_json(results), "traces")->child;
-    cJSON_SetNumberValue(cJSON_GetObjectItem(first, "count"), 1234);
+    bb_put_number(entry_at(results, BB_TRACES, 0), BB_F_TRACE_COUNT, 1234);
     char *text = table_of(results);
     assert_non_null(strstr(text, "primary, view front: 262,144 rays, closest hit\n"));
     assert_int_equal(count_of(text, "  of the first 1,234 rays\n"), 1);
@@ -172,8 +170,7 @@ static void table_names_the_query(void **state)
                  {"", ": 262,144 rays\n"}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         bb_results *results = sample_results(NULL);
-        cJSON *first = cJSON_GetObjectItem(bb_results_json(results), "traces")->child;
-        cJSON_ReplaceItemInObject(first, "query", cJSON_CreateString(cases[i].query));
+        bb_put_text(entry_at(results, BB_TRACES, 0), BB_F_TRACE_QUERY, cases[i].query);
         char *text = table_of(results);
         const char *heading = strstr(text, "\n  primary, view front");
         if (heading == NULL || !line_has(heading + 1, cases[i].words))
@@ -227,10 +224,9 @@ static void table_tells_a_range_among_intervals(void **state)
 {
     (void)state;
     bb_results *results = sample_results(NULL);
-    cJSON *build = cJSON_GetObjectItem(bb_results_json(results), "builds")->child;
-    cJSON *trace = cJSON_GetObjectItem(bb_results_json(results), "traces")->child;
-    cJSON_ReplaceItemInObject(build, "build_ms_lo", cJSON_CreateNull());
-    cJSON_ReplaceItemInObject(trace, "mrays_s_hi", cJSON_CreateNull());
+    const bb_samples few = {4, {9, 5, 6, 7}};
+    bb_put_rounds(entry_at(results, BB_BUILDS, 0), BB_F_BUILD_MS, &few);
+    bb_put_rounds(entry_at(results, BB_TRACES, 0), BB_F_TRACE_MS, &few);
     char *text = table_of(results);
     assert_true(line_has(line_after(text, "Build ms [95 %]", "\n  sah "), "] range "));
     assert_false(line_has(line_after(text, "Build ms [95 %]", "\n  lbvh"), "range"));
@@ -258,15 +254,13 @@ static void table_ratio_is_to_the_fastest_reference(void **state)
 {
     (void)state;
     bb_results *results = sample_results(NULL);
-    cJSON *trace;
-    cJSON_ArrayForEach(trace, cJSON_GetObjectItem(bb_results_json(results), "traces"))
-    {
-        const char *builder = cJSON_GetObjectItem(trace, "builder")->valuestring;
+    for (bb_entry *trace = entry_at(results, BB_TRACES, 0); trace != NULL; trace = trace->next) {
+        const char *builder = bb_get_text(trace, BB_F_TRACE_BUILDER);
         double rate = strstr(builder, "fast") != NULL        ? 8
                       : strstr(builder, "native") != NULL    ? 5
                       : strcmp(builder, "lbvh:bits=30") == 0 ? 2
                                                              : 1;
-        cJSON_SetNumberValue(cJSON_GetObjectItem(trace, "mrays_s"), rate);
+        bb_put_number(trace, BB_F_TRACE_RATE_GIVEN, rate);
     }
     char *text = table_of(results);
     const char *line = strstr(strstr(text, "/Embree"), "\n  lbvh:bits=30");
@@ -295,8 +289,8 @@ static void table_keeps_the_terminal_safe(void **state)
 {
     (void)state;
     bb_results *results = sample_results(NULL);
-    cJSON *traces = cJSON_GetObjectItem(bb_results_json(results), "traces");
-    cJSON_SetValuestring(cJSON_GetObjectItem(traces->child, "builder"), "s\x1b[");
+    bb_put_text(entry_at(results, BB_BUILDS, 0), BB_F_BUILD_ABOUT, "s\x1b[");
+    assert_int_equal(bb_results_add_skipped(results, "coffee", "\x1b[2J", "", "\x1b[3J"), BB_OK);
     char *text = table_of(results);
     assert_null(strchr(text, '\x1b'));
     free(text);
@@ -383,7 +377,7 @@ static void page_escapes_data(void **state)
     assert_non_null(start);
     cJSON *read = cJSON_Parse(start + strlen("id=\"data\">"));
     assert_non_null(read);
-    assert_true(cJSON_Compare(read, bb_results_json(results), 1));
+    assert_true(cJSON_Compare(read, document_of(results), 1));
     cJSON_Delete(read);
     free(page);
     bb_results_destroy(results);

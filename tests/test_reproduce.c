@@ -14,7 +14,7 @@ static void what_was_measured_is_found(void **state)
     (void)state;
     bb_results *results = new_results();
     add_build(results, flat, "emc:code=mc64", 7, 9); /* of another experiment */
-    uint32_t first = bb_results_next_build(results);
+    uint32_t first = bb_results_begin_run(results);
     uint32_t a = add_build(results, flat, "emc:code=mc64", 100, 2);
     uint32_t b = add_build(results, flat, "emc:code=emc64-var", 50, 3);
     add_trace(results, a, "front", 4, 10);
@@ -119,7 +119,7 @@ static void no_scene_is_left_out(void **state)
     const bb_paper paper = {.name = "made-up", .title = "", .tables = tables};
     bb_results *results = new_results();
     ASSERT_OK(bb_reproduction_add(&paper, &f, results));
-    const cJSON *list = cJSON_GetObjectItem(bb_results_json(results), "reproductions");
+    const cJSON *list = cJSON_GetObjectItem(document_of(results), "reproductions");
     table_with(cJSON_GetArrayItem(list, 0), "all (columns: the first 23 of 128 scenes)");
     bb_results_destroy(results);
     bb_table_free(f.table);
@@ -258,9 +258,12 @@ static void tests_of_claims_decide(void **state)
         const bb_paper_table tables[] = {{.title = NULL}};
         const bb_paper paper = {
             .name = "made-up", .title = "", .tables = tables, .claims = {claims}};
-        assert_int_equal(bb_reproduction_add(&paper, &f, results), BB_OK);
-        const cJSON *all = cJSON_GetObjectItem(bb_results_json(results), "reproductions");
-        const char *verdict = verdict_with(cJSON_GetArrayItem(all, (int)i), "made up");
+        bb_results *own = new_results();
+        assert_int_equal(bb_reproduction_add(&paper, &f, own), BB_OK);
+        assert_int_equal(bb_reproduction_add(&paper, &f, own), BB_INVALID); /* a second time */
+        const cJSON *all = cJSON_GetObjectItem(document_of(own), "reproductions");
+        bb_results_destroy(own);
+        const char *verdict = verdict_with(cJSON_GetArrayItem(all, 0), "made up");
         if (strcmp(verdict, cases[i].verdict) != 0)
             fail_msg("case %zu: %s", i, verdict);
     }
@@ -335,9 +338,12 @@ static void reproductions_survive_the_file_and_merging(void **state)
     assert_int_equal(bb_results_write(a, path), BB_OK);
     assert_int_equal(bb_results_read(path, &read), BB_OK);
     assert_int_equal(bb_results_merge(read, b), BB_OK);
-    const cJSON *all = cJSON_GetObjectItem(bb_results_json(read), "reproductions");
+    const cJSON *all = cJSON_GetObjectItem(document_of(read), "reproductions");
     assert_int_equal(cJSON_GetArraySize(all), 2);
-    assert_true(cJSON_Compare(cJSON_GetArrayItem(all, 0), cJSON_GetArrayItem(all, 1), 1));
+    static const char *const members[] = {"title", "claims", "tables"};
+    for (int i = 0; i < 3; i++)
+        assert_true(cJSON_Compare(cJSON_GetObjectItem(cJSON_GetArrayItem(all, 0), members[i]),
+                                  cJSON_GetObjectItem(cJSON_GetArrayItem(all, 1), members[i]), 1));
     FILE *out = tmpfile();
     assert_int_equal(bb_reproduction_print(read, out), BB_OK);
     assert_true(ftell(out) > 1000);
@@ -346,46 +352,11 @@ static void reproductions_survive_the_file_and_merging(void **state)
     /* also into a document without any */
     read = new_results();
     assert_int_equal(bb_results_merge(read, b), BB_OK);
-    assert_int_equal(
-        cJSON_GetArraySize(cJSON_GetObjectItem(bb_results_json(read), "reproductions")), 1);
+    assert_int_equal(cJSON_GetArraySize(cJSON_GetObjectItem(document_of(read), "reproductions")),
+                     1);
     bb_results_destroy(read);
     bb_results_destroy(a);
     bb_results_destroy(b);
-}
-
-static void broken_reproductions_are_refused(void **state)
-{
-    (void)state;
-    static const struct {
-        const char *json, *words;
-    } broken[] = {
-        {"3", "not an array"},
-        {"[4]", "not an object"},
-        {"[{\"name\":1,\"tables\":[],\"claims\":[]}]", "\"name\" has the wrong type"},
-        {"[{\"name\":\"x\",\"tables\":[{\"title\":\"t\",\"columns\":[\"a\"],\"rows\":[[1,2]]}],"
-         "\"claims\":[]}]",
-         "not of 1 numbers and texts"},
-        {"[{\"name\":\"x\",\"tables\":[{\"title\":\"t\",\"columns\":[\"a\"],\"rows\":[[[]]]}],"
-         "\"claims\":[]}]",
-         "not of 1 numbers and texts"},
-        {"[{\"name\":\"x\",\"tables\":[{\"title\":\"t\",\"columns\":[\"a\"]}],\"claims\":[]}]",
-         "has no \"rows\""},
-        {"[{\"name\":\"x\",\"tables\":[],\"claims\":[{\"claim\":\"c\",\"held\":2}]}]",
-         "\"held\" has the wrong type"},
-    };
-    char path[600];
-    snprintf(path, sizeof path, "%s/broken.json", sample_folder("reproduce"));
-    for (size_t i = 0; i < sizeof broken / sizeof broken[0]; i++) {
-        bb_results *results = new_results(), *read = NULL;
-        cJSON *value = cJSON_Parse(broken[i].json);
-        assert_non_null(value);
-        cJSON_AddItemToObject(bb_results_json(results), "reproductions", value);
-        assert_int_equal(bb_results_write(results, path), BB_OK);
-        assert_int_equal(bb_results_read(path, &read), BB_INVALID);
-        if (strstr(bb_message(), broken[i].words) == NULL)
-            fail_msg("%s: '%s', expected '%s'", broken[i].json, bb_message(), broken[i].words);
-        bb_results_destroy(results);
-    }
 }
 
 /* ---- papers ---- */
@@ -462,8 +433,7 @@ static void nothing_measured_judges_nothing(void **state)
         cJSON_ArrayForEach(claim, cJSON_GetObjectItem(r, "claims"))
         {
             if (!cJSON_IsNull(cJSON_GetObjectItem(claim, "held")))
-                fail_msg("%s: judged without a figure: %s", (*p)->name,
-                         bb_json_text(claim, "claim"));
+                fail_msg("%s: judged without a figure: %s", (*p)->name, json_text(claim, "claim"));
         }
         bb_results_destroy(results);
     }
@@ -518,9 +488,9 @@ static void quick_papers_run(void **state)
         snprintf(path, sizeof path, "%s/out/results.json", folder);
         bb_results *results = NULL;
         assert_int_equal(bb_results_read(path, &results), BB_OK);
-        const cJSON *all = cJSON_GetObjectItem(bb_results_json(results), "reproductions");
+        const cJSON *all = cJSON_GetObjectItem(document_of(results), "reproductions");
         assert_int_equal(cJSON_GetArraySize(all), 1);
-        assert_string_equal(bb_json_text(cJSON_GetArrayItem(all, 0), "name"), (*p)->name);
+        assert_string_equal(json_text(cJSON_GetArrayItem(all, 0), "name"), (*p)->name);
         bb_results_destroy(results);
     }
 }
@@ -567,7 +537,6 @@ int main(void)
         cmocka_unit_test(claims_follow_the_figures),
         cmocka_unit_test(tables_have_both_sides),
         cmocka_unit_test(reproductions_survive_the_file_and_merging),
-        cmocka_unit_test(broken_reproductions_are_refused),
         cmocka_unit_test(papers_are_sound),
         cmocka_unit_test(each_claim_may_fail),
         cmocka_unit_test(nothing_measured_judges_nothing),

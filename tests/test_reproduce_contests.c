@@ -46,9 +46,9 @@ static void end(const char *name, bb_findings all[BB_EXPERIMENTS_MAX], const cha
     const cJSON *claim, *r = reproduce(name, all, results);
     cJSON_ArrayForEach(claim, cJSON_GetObjectItem(r, "claims"))
     {
-        if (strcmp(bb_json_text(claim, "verdict"), *verdicts) != 0)
-            fail_msg("%s: %s, not %s; here: %s", bb_json_text(claim, "claim"),
-                     bb_json_text(claim, "verdict"), *verdicts, bb_json_text(claim, "ours"));
+        if (strcmp(json_text(claim, "verdict"), *verdicts) != 0)
+            fail_msg("%s: %s, not %s; here: %s", json_text(claim, "claim"),
+                     json_text(claim, "verdict"), *verdicts, json_text(claim, "ours"));
         verdicts++;
     }
     assert_null(*verdicts);

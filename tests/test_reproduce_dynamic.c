@@ -139,7 +139,7 @@ static void a_shuffle_decides(void **state)
     assert_true(refuted(r, shuffled));
     assert_true(refuted(r, kitchen)); /* faster than rebuilt trees, here */
     assert_true(held(r, fall));
-    assert_non_null(strstr(bb_json_text(claim_of(r, few), "why"), "60 of 600 objects move"));
+    assert_non_null(strstr(json_text(claim_of(r, few), "why"), "60 of 600 objects move"));
     bb_results_destroy(results);
     release(d);
 }

@@ -59,7 +59,7 @@ static const cJSON *reproduce_with(bb_results *results, const made_up methods[EM
     for (int s = 0; s < 2; s++)
         add_build(results, scenes[s], EMC_ATRBVH_OF("emc64-sort"), 95, 10.2);
     all[EMC_INSIDE] = findings_of(results, 0);
-    uint32_t first = bb_results_next_build(results);
+    uint32_t first = bb_results_begin_run(results);
     for (int i = 0; i < EMC_METHODS; i++)
         add_centred(results, i, &methods[i]);
     for (int s = 0; s < 2; s++) {

@@ -38,7 +38,7 @@ static void same_measurement(const cJSON *before, const cJSON *after, const char
                                           "query",
                                           "count",
                                           "rays_hash",
-                                          "rays_params",
+                                          "parameter",
                                           "node_tests_per_ray",
                                           "prim_tests_per_ray",
                                           "stack_size"};

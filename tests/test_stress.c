@@ -201,7 +201,7 @@ static void bisects_and_repeats(void **state)
 /* The figures without those of the run itself, which the clock and the date decide. */
 static char *without_run(void)
 {
-    cJSON *atlas = read_results("o/stress.json"), *row;
+    cJSON *atlas = read_json("o/stress.json"), *row;
     for (row = cJSON_GetObjectItem(atlas, "rows")->child; row != NULL;) {
         cJSON *next = row->next;
         if (cJSON_GetObjectItem(row, "revision") != NULL)

@@ -8,76 +8,50 @@
 
 enum { ROUNDS = 7, LAYOUT_MS = 10 }; /* of the rounds the first counts for nothing */
 
-static void add_scene(document *d, const char *name, double prims)
+/* `ms` is the median, the others in turn above and below it by `spread`; sample 0 is far off. */
+static bb_samples samples(double ms, double spread)
 {
-    cJSON *scene = cJSON_CreateObject();
-    cJSON_AddStringToObject(scene, "name", name);
-    cJSON_AddNumberToObject(scene, "prims", prims);
-    cJSON_AddItemToArray(d->scenes, scene);
-}
-
-/* `ms` around its value by `spread`, in turn above and below; sample 0 is far off. */
-static cJSON *samples(double ms, double spread)
-{
-    cJSON *list = cJSON_CreateArray();
+    bb_samples list = {.count = 0};
     for (int i = 0; i < ROUNDS; i++)
-        cJSON_AddItemToArray(list,
-                             cJSON_CreateNumber(i == 0   ? 50 * ms
-                                                : i == 1 ? ms
-                                                         : ms * (1 + (i % 2 ? spread : -spread))));
+        bb_samples_add(&list, i == 0                      ? 50 * ms
+                              : i == 1 || i == ROUNDS - 1 ? ms
+                                                          : ms * (1 + (i % 2 ? spread : -spread)));
     return list;
 }
 
-/* Returns its id. */
-static int add_build(document *d, const char *scene, const char *builder, double ms, bool reference)
+static bb_entry *add_build(bb_results *d, const char *scene, const char *builder, double ms,
+                           bool reference)
 {
-    cJSON *build = cJSON_CreateObject();
-    cJSON_AddNumberToObject(build, "id", d->next);
-    cJSON_AddStringToObject(build, "scene", scene);
-    cJSON_AddStringToObject(build, "builder", builder);
-    cJSON_AddStringToObject(build, "status", "ok");
-    cJSON_AddItemToObject(build, "build_ms", samples(ms, 0.01));
-    cJSON_AddNumberToObject(build, "build_ms_median", ms);
-    cJSON_AddBoolToObject(build, "reference", reference);
-    if (!reference) /* the first sample, on fresh memory, counts for nothing */
-        cJSON_AddNumberToObject(cJSON_AddObjectToObject(build, "layouts_ms"), "pair", LAYOUT_MS);
-    cJSON_AddItemToArray(d->builds, build);
-    return d->next++;
+    bb_entry *build = new_build(d, scene, builder);
+    const bb_samples rounds = samples(ms, 0.01), layout = {1, {LAYOUT_MS}};
+    bb_put_rounds(build, BB_F_BUILD_MS, &rounds);
+    bb_put_flag(build, BB_F_BUILD_REFERENCE, reference);
+    if (!reference)
+        bb_put_rounds(bb_results_part(d, build, "pair"), BB_F_BUILD_LAYOUTS_MS, &layout);
+    return build;
 }
 
 typedef struct traced {
     const char *scene, *builder, *rays, *kernel, *intersector, *layout;
-    int build;
     double ms, spread, wrong_ppm, unlike;
     bool reference;
 } traced;
 
-static void add_trace(document *d, const traced *t)
+static bb_entry *add_trace(bb_results *d, const traced *t)
 {
-    const double count = 1e6;
-    cJSON *trace = cJSON_CreateObject();
     bool exact = strcmp(t->intersector, "exact") == 0;
-    cJSON_AddNumberToObject(trace, "build", t->build);
-    cJSON_AddStringToObject(trace, "scene", t->scene);
-    cJSON_AddStringToObject(trace, "builder", t->builder);
-    cJSON_AddStringToObject(trace, "kernel", t->kernel);
-    cJSON_AddStringToObject(trace, "intersector", t->intersector);
-    cJSON_AddStringToObject(trace, "layout", t->layout != NULL ? t->layout : "pair");
-    cJSON_AddStringToObject(trace, "rays", t->rays);
-    cJSON_AddStringToObject(trace, "rays_hash", t->rays);
-    cJSON_AddNumberToObject(trace, "count", count);
-    cJSON_AddStringToObject(trace, "status", "ok");
-    cJSON_AddItemToObject(trace, "ms", samples(t->ms, t->spread));
-    cJSON_AddNumberToObject(trace, "mrays_s", count / t->ms / 1e3);
-    cJSON_AddBoolToObject(trace, "counts_for_exit", exact && !t->reference);
-    cJSON_AddBoolToObject(trace, "wrong", t->wrong_ppm > 0);
-    cJSON_AddBoolToObject(trace, "reference", t->reference);
+    bb_entry *trace = new_trace(d, t->scene, t->builder, t->rays, t->kernel, t->intersector);
+    const bb_samples rounds = samples(t->ms, t->spread);
+    bb_put_text(trace, BB_F_TRACE_LAYOUT, t->layout != NULL ? t->layout : "pair");
+    bb_put_rounds(trace, BB_F_TRACE_MS, &rounds);
+    bb_put_flag(trace, BB_F_TRACE_COUNTS, exact && !t->reference);
+    bb_put_flag(trace, BB_F_TRACE_WRONG, t->wrong_ppm > 0);
+    bb_put_flag(trace, BB_F_TRACE_REFERENCE, t->reference);
     if (t->unlike > 0)
-        cJSON_AddNumberToObject(trace, "unlike", t->unlike);
-    cJSON *accuracy = cJSON_AddObjectToObject(trace, "accuracy");
-    cJSON_AddNumberToObject(accuracy, "checked", count);
-    cJSON_AddNumberToObject(accuracy, "wrong_ppm", t->wrong_ppm);
-    cJSON_AddItemToArray(d->traces, trace);
+        bb_put_number(trace, BB_F_TRACE_UNLIKE, t->unlike);
+    bb_put_number(trace, BB_F_ACCURACY_CHECKED, 1e6);
+    bb_put_number(trace, BB_F_ACCURACY_WRONG_PPM, t->wrong_ppm);
+    return trace;
 }
 
 static const bb_summary_row *row_of(const bb_summary *s, const char *builder)
@@ -107,7 +81,7 @@ static void expect_words(const bb_summary *s, const char *label, const char *wor
 
 /* Two scenes of a million primitives, one set of rays each; a reference at 100 ms for them. Slow to
  * build and fast to trace, the other way round, and one that can't be told from the first. */
-static document three_builders(void)
+static bb_results *three_builders(void)
 {
     static const char *const scenes[] = {"a", "b"};
     static const struct {
@@ -116,9 +90,9 @@ static document three_builders(void)
     } builders[] = {{"slow", 1000, {100, 50}, 0.001},
                     {"fast", 10, {400, 100}, 0.001},
                     {"alike", 1000, {101, 50}, 0.05}};
-    document d = empty_document();
+    bb_results *d = empty_document();
     for (int s = 0; s < 2; s++) {
-        add_scene(&d, scenes[s], 1e6);
+        add_scene(d, scenes[s], 1e6);
         for (int b = 0; b < 3; b++) {
             traced t = {.scene = scenes[s],
                         .builder = builders[b].builder,
@@ -127,11 +101,11 @@ static document three_builders(void)
                         .intersector = "exact",
                         .ms = builders[b].trace[s],
                         .spread = builders[b].spread};
-            t.build = add_build(&d, scenes[s], t.builder, builders[b].build, false);
-            add_trace(&d, &t);
+            add_build(d, scenes[s], t.builder, builders[b].build, false);
+            add_trace(d, &t);
             t.kernel = "slower";
             t.ms *= 3;
-            add_trace(&d, &t);
+            add_trace(d, &t);
         }
         traced t = {.scene = scenes[s],
                     .builder = "other:mode=fast",
@@ -140,8 +114,8 @@ static document three_builders(void)
                     .intersector = "own",
                     .ms = 100,
                     .reference = true};
-        t.build = add_build(&d, scenes[s], t.builder, 100, true);
-        add_trace(&d, &t);
+        add_build(d, scenes[s], t.builder, 100, true);
+        add_trace(d, &t);
     }
     return d;
 }
@@ -149,8 +123,8 @@ static document three_builders(void)
 static void means_are_geometric_and_over_all_sets(void **state)
 {
     (void)state;
-    document d = three_builders();
-    bb_results *results = read_back(&d);
+    bb_results *d = three_builders();
+    bb_results *results = read_back(d);
     bb_summary s;
     assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
     assert_int_equal(s.builder_count, 3);
@@ -191,8 +165,8 @@ static void means_are_geometric_and_over_all_sets(void **state)
 static void ties_are_what_rounds_cannot_tell(void **state)
 {
     (void)state;
-    document d = three_builders();
-    bb_results *results = read_back(&d);
+    bb_results *d = three_builders();
+    bb_results *results = read_back(d);
     bb_summary s;
     assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
     const bb_summary_row *slow = row_of(&s, "slow"), *alike = row_of(&s, "alike");
@@ -210,17 +184,16 @@ static void ties_are_what_rounds_cannot_tell(void **state)
 static void wrong_answers_win_nothing(void **state)
 {
     (void)state;
-    document d = three_builders();
+    bb_results *d = three_builders();
     const traced t = {.scene = "a",
                       .builder = "fast",
                       .rays = "random",
                       .kernel = "wrong",
                       .intersector = "exact",
-                      .build = 1,
                       .ms = 1,
                       .wrong_ppm = 3};
-    add_trace(&d, &t);
-    bb_results *results = read_back(&d);
+    add_trace(d, &t);
+    bb_results *results = read_back(d);
     bb_summary s;
     assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
     assert_near(row_of(&s, "fast")->trace.value, 0.5);
@@ -241,16 +214,14 @@ static void same_standing(const cJSON *json, const bb_standing *standing)
 static void the_page_gets_the_same_figures(void **state)
 {
     (void)state;
-    document d = three_builders();
-    cJSON *build;
+    bb_results *d = three_builders();
     double bytes = 1000;
-    cJSON_ArrayForEach(build, d.builds)
-    {
-        cJSON *tree = cJSON_AddObjectToObject(build, "tree");
-        cJSON_AddNumberToObject(tree, "bytes_peak", bytes += 10);
-        cJSON_AddNumberToObject(tree, "sah", bytes / 7);
+    for (bb_entry *build = d->sections[BB_BUILDS].first; build != NULL; build = build->next) {
+        bb_put_number(build, BB_F_TREE_BYTES_PEAK, bytes += 10);
+        bb_table_set_number(d->table, build->row, bb_metric_column(&bb_metric_sah, false),
+                            bytes / 7);
     }
-    bb_results *results = read_back(&d);
+    bb_results *results = read_back(d);
     bb_summary s;
     assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
     char *text = bb_summary_json(results);
@@ -285,7 +256,7 @@ static void the_page_gets_the_same_figures(void **state)
                 same->curve[k]);
     }
     cJSON_Delete(page);
-    cJSON_free(text);
+    free(text);
     bb_summary_free(&s);
     bb_results_destroy(results);
 }
@@ -294,28 +265,23 @@ static void the_page_gets_the_same_figures(void **state)
 static void unlike_and_failed_cells_are_counted(void **state)
 {
     (void)state;
-    document d = three_builders();
+    bb_results *d = three_builders();
     traced t = {.scene = "a",
                 .builder = "fast",
                 .rays = "random",
                 .kernel = "odd",
                 .intersector = "exact",
-                .build = 1,
                 .ms = 1,
                 .unlike = 2};
-    add_trace(&d, &t);
+    add_trace(d, &t);
     t = (traced){.scene = "a",
                  .builder = "slow",
                  .rays = "random",
                  .kernel = "broken",
                  .intersector = "exact",
                  .ms = 1};
-    add_trace(&d, &t);
-    cJSON_SetValuestring(
-        cJSON_GetObjectItem(cJSON_GetArrayItem(d.traces, cJSON_GetArraySize(d.traces) - 1),
-                            "status"),
-        "failed");
-    bb_results *results = read_back(&d);
+    bb_put_text(add_trace(d, &t), BB_F_TRACE_STATUS, "failed");
+    bb_results *results = read_back(d);
     bb_summary s;
     assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
     assert_near(row_of(&s, "fast")->trace.value, 0.5);
@@ -332,20 +298,19 @@ static void unlike_and_failed_cells_are_counted(void **state)
 static void lonely_sets_are_left_aside(void **state)
 {
     (void)state;
-    document d = three_builders();
+    bb_results *d = three_builders();
     traced t = {.scene = "a",
                 .builder = "slow",
                 .rays = "edges",
                 .kernel = "stack",
                 .intersector = "exact",
-                .build = 0,
                 .ms = 1};
-    add_trace(&d, &t);
+    add_trace(d, &t);
     t.intersector = "careless";
     t.wrong_ppm = 40;
     t.ms = 0.5;
-    add_trace(&d, &t);
-    bb_results *results = read_back(&d);
+    add_trace(d, &t);
+    bb_results *results = read_back(d);
     bb_summary s;
     assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
     assert_int_equal(s.sets, 2);
@@ -363,19 +328,18 @@ static void lonely_sets_are_left_aside(void **state)
 static void nothing_to_say_is_no_error(void **state)
 {
     (void)state;
-    document empty = empty_document();
-    bb_results *results = read_back(&empty);
+    bb_results *results = read_back(empty_document());
     bb_summary s;
     assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
     assert_int_equal(s.row_count, 0);
     bb_summary_free(&s);
     bb_results_destroy(results);
 
-    document builds = empty_document(); /* as with --rays none */
-    add_scene(&builds, "a", 1e6);
-    add_build(&builds, "a", "one", 10, false);
-    add_build(&builds, "a", "two", 20, false);
-    results = read_back(&builds);
+    bb_results *builds = empty_document(); /* as with --rays none */
+    add_scene(builds, "a", 1e6);
+    add_build(builds, "a", "one", 10, false);
+    add_build(builds, "a", "two", 20, false);
+    results = read_back(builds);
     assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
     assert_string_equal(s.rows[0].builder, "one");
     assert_true(isnan(s.rows[0].trace.value) && s.rows[0].build.best);
@@ -388,7 +352,7 @@ static void nothing_to_say_is_no_error(void **state)
 static void what_is_partial_has_no_rank(void **state)
 {
     (void)state;
-    document d = three_builders();
+    bb_results *d = three_builders();
     static const char *const names[] = {"lucky", "failing", "weightless"};
     for (int b = 0; b < 3; b++)
         for (int s = 0; s < 2; s++) {
@@ -399,14 +363,13 @@ static void what_is_partial_has_no_rank(void **state)
                         .intersector = "exact",
                         .ms = b == 2 ? 300 : 1};
             t.layout = b == 2 ? "unknown" : NULL;
-            t.build = add_build(&d, t.scene, t.builder, 0.1, false);
+            bb_entry *build = add_build(d, t.scene, t.builder, 0.1, false);
             if (b == 1)
-                cJSON_SetValuestring(
-                    cJSON_GetObjectItem(cJSON_GetArrayItem(d.builds, t.build), "status"), "failed");
+                bb_put_text(build, BB_F_BUILD_STATUS, "failed");
             else if (b == 2 || s == 1)
-                add_trace(&d, &t);
+                add_trace(d, &t);
         }
-    bb_results *results = read_back(&d);
+    bb_results *results = read_back(d);
     bb_summary s;
     assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
     assert_int_equal(s.builder_count, 6);
@@ -426,14 +389,15 @@ static void what_is_partial_has_no_rank(void **state)
 static void runs_are_not_held_against_each_other(void **state)
 {
     (void)state;
-    document first = three_builders(), second = three_builders();
-    cJSON *trace;
-    cJSON_ArrayForEach(trace, second.traces)
-    { /* on a machine half as fast */
-        cJSON_SetNumberValue(cJSON_GetObjectItem(trace, "mrays_s"),
-                             cJSON_GetObjectItem(trace, "mrays_s")->valuedouble / 2);
+    bb_results *first = three_builders(), *second = three_builders();
+    for (bb_entry *trace = second->sections[BB_TRACES].first; trace != NULL; trace = trace->next) {
+        bb_samples ms; /* on a machine half as fast */
+        assert_true(bb_get_samples(trace, BB_F_TRACE_MS, &ms));
+        for (uint32_t i = 0; i < ms.count; i++)
+            ms.values[i] *= 2;
+        bb_put_rounds(trace, BB_F_TRACE_MS, &ms);
     }
-    bb_results *a = read_back(&first), *b = read_back(&second);
+    bb_results *a = read_back(first), *b = read_back(second);
     bb_summary s;
     assert_int_equal(bb_results_merge(a, b), BB_OK);
     assert_int_equal(bb_summary_make(a, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
@@ -456,10 +420,10 @@ static void a_busy_machine_is_said(void **state)
     (void)state;
     static const double others[] = {0.2, 0.9};
     for (int i = 0; i < 2; i++) {
-        document d = empty_document();
+        bb_results *d = empty_document();
         char text[256];
-        cJSON_AddNumberToObject(cJSON_GetObjectItem(d.root, "context"), "others_cpu", others[i]);
-        bb_results *results = read_back(&d);
+        bb_put_number(d->context, BB_F_CONTEXT_OTHERS, others[i]);
+        bb_results *results = read_back(d);
         assert_int_equal(bb_summary_busy(results, text), i == 1);
         if (i == 1)
             assert_non_null(strstr(text, "0.9 of its 4 threads"));
@@ -471,11 +435,11 @@ static void a_busy_machine_is_said(void **state)
 static void long_names_are_shortened(void **state)
 {
     (void)state;
-    document d = empty_document();
-    add_scene(&d, "a", 1e6);
-    add_build(&d, "a", "tree:quality=medium,mode=robust", 10, false);
-    add_build(&d, "a", "a-tree-with-a-name-that-is-much-too-long-for-a-column", 10, false);
-    bb_results *results = read_back(&d);
+    bb_results *d = empty_document();
+    add_scene(d, "a", 1e6);
+    add_build(d, "a", "tree:quality=medium,mode=robust", 10, false);
+    add_build(d, "a", "a-tree-with-a-name-that-is-much-too-long-for-a-column", 10, false);
+    bb_results *results = read_back(d);
     bb_summary s;
     assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
     assert_string_equal(row_of(&s, "tree:quality=medium,mode=robust")->name, "tree:medium,robust");

@@ -134,7 +134,7 @@ static const cJSON *reproduce_octrees(bb_results *results)
 {
     bb_findings all[BB_EXPERIMENTS_MAX];
     for (int e = 0; e < 4; e++) {
-        uint32_t first = bb_results_next_build(results);
+        uint32_t first = bb_results_begin_run(results);
         for (int s = 0; s < 2; s++) {
             for (size_t i = 0; e < OF_VIEWS && i < sizeof octrees / sizeof octrees[0]; i++) {
                 const char *builder = octrees[i].builder;

@@ -202,14 +202,10 @@ static void put_decisions(const rows *to, const bb_contender *who, const bb_entr
 {
     bb_each_part(one, entry, field)
     {
-        char digits[32];
         const uint32_t row = row_of(to, bb_part_name(one), who);
-        const double number = bb_json_number(one, "value");
-        snprintf(digits, sizeof digits, "%.0f", number);
-        bb_table_set_text(to->table, row, &value,
-                          isfinite(number) ? digits : bb_json_text(one, "value"));
-        bb_table_set_text(to->table, row, &by, bb_json_text(one, "by"));
-        bb_table_set_text(to->table, row, &figure, bb_json_text(one, "figure"));
+        bb_table_set_text(to->table, row, &value, bb_get_text(one, field));
+        bb_table_set_text(to->table, row, &by, bb_get_text(one, BB_F_DECIDED_BY));
+        bb_table_set_text(to->table, row, &figure, bb_get_text(one, BB_F_DECIDED_FIGURE));
     }
 }
 

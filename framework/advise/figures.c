@@ -30,8 +30,7 @@ static const bb_entry *find_build(const bb_image *image, const bb_contender *c)
 {
     bb_each(build, bb_results_section(image->results, BB_BUILDS))
     {
-        if (bb_get_number(build, BB_F_BUILD_ID) >= image->first_build &&
-            is_text(build, BB_F_BUILD_SCENE, image->scene) &&
+        if (bb_run_of(build) == image->run && is_text(build, BB_F_BUILD_SCENE, image->scene) &&
             is_text(build, BB_F_BUILD_BUILDER, c->builder))
             return build;
     }
@@ -40,8 +39,7 @@ static const bb_entry *find_build(const bb_image *image, const bb_contender *c)
 
 static bool is_trace_of(const bb_entry *trace, const bb_entry *build, const bb_contender *c)
 {
-    return bb_get_number(trace, BB_F_TRACE_BUILD) == bb_get_number(build, BB_F_BUILD_ID) &&
-           is_text(trace, BB_F_TRACE_KERNEL, c->kernel) &&
+    return bb_build_of(trace) == build && is_text(trace, BB_F_TRACE_KERNEL, c->kernel) &&
            is_text(trace, BB_F_TRACE_INTERSECTOR, c->intersector);
 }
 

@@ -10,8 +10,8 @@
 /* An image has `rays` rays, equally many of each kind, and within a kind of each view. */
 typedef struct bb_image {
     const bb_results *results;
-    const char *scene;    /* its name in the results */
-    uint32_t first_build; /* earlier builds are ignored */
+    const char *scene; /* its name in the results */
+    uint32_t run;      /* others are ignored */
     double rays;
     double factor; /* for times and bytes of builds and layouts: bb_ground.factor */
 } bb_image;

@@ -52,7 +52,7 @@ static double ms_of(const bb_advice *advice, const bb_entered *field, const bb_f
 
 static double step_ms(const bb_results *document, const char *name)
 {
-    const double ms = bb_results_ms(document, BB_STEPS, name);
+    const double ms = bb_results_step_ms(document, name);
     return isfinite(ms) ? ms : 0;
 }
 

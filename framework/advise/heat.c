@@ -128,11 +128,11 @@ static void read_contender(const turn *t, const bb_image *image, uint32_t i, con
         racer->state = BB_TOO_WRONG;
 }
 
-/* `first`: the id of the turn's first build. */
-static void read_turn(const turn *t, const bb_results *results, uint32_t first)
+/* `run`: the turn's number. */
+static void read_turn(const turn *t, const bb_results *results, uint32_t run)
 {
     const bb_entry *scene = bb_first(bb_results_section(results, BB_SCENES));
-    const bb_image image = {results, bb_get_text(scene, BB_F_SCENE_NAME), first,
+    const bb_image image = {results, bb_get_text(scene, BB_F_SCENE_NAME), run,
                             t->request->image_rays, t->heat->ground->factor};
     bb_tried_figures again = {.measured = false};
     const bool later = t->done[t->reference];
@@ -184,11 +184,11 @@ static bb_status run_turn(turn *t, bb_results *results, bb_bench_outcome *outcom
                                     .tell = heat->progress != NULL ? tell : NULL,
                                     .whom = t,
                                     .quiet = true};
-    const uint32_t first = bb_results_next_build(results);
+    const uint32_t run = bb_results_begin_run(results);
     bb_bench_outcome more;
     BB_TRY(bb_bench_run(&bench, results, &more));
     bb_bench_outcome_add(outcome, &more);
-    read_turn(t, results, first);
+    read_turn(t, results, run);
     return BB_OK;
 }
 

@@ -11,7 +11,7 @@
 /* ---- columns ---- */
 
 /* Of a scene; of these `rays` of a frame, too. */
-BB_TEXT(view, "view", "view", "Which rays start from.");
+BB_TEXT(view, "camera", "view", "Which rays start from.");
 BB_TEXT(test, "intersector_used", "intersection tests", "By name.");
 BB_EXACT(first, "first_frame", "first frame", "", "Whose trees are built, for all alike.", NEITHER,
          0);
@@ -46,7 +46,7 @@ BB_ROUNDS(update_cpu, "update_cpu_ms", "update CPU", "ms", "Processor time of an
 BB_ROUNDS(transfer, "transfer_ms", "transfer", "ms", "Of a tree from the host to the device.", LESS,
           3);
 BB_TEXT(way, "way", "tree", "kept, updated or rebuilt.");
-BB_EXACT(sah, "sah", "SAH", "", "Surface area heuristic of the tree.", LESS, 2);
+BB_EXACT(sah, "tree_sah", "SAH", "", "Surface area heuristic of the tree.", LESS, 2);
 BB_EXACT(over_best, "sah_over_best", "SAH / fresh", "",
          "Over the least of trees made for the same frame.", LESS, 3);
 BB_EXACT(nodes, "nodes", "nodes", "", "Of the tree.", LESS, 0);
@@ -137,7 +137,12 @@ static uint32_t row_of(const bb_animate_result *r, bb_table *table, const char *
                        const char *question, const char *builder, const char *maker,
                        const char *kernel)
 {
-    return bb_table_row(table, (bb_cell){{r->scene, frame, question, builder, maker, kernel}});
+    return bb_table_row(table, (bb_cell){{[BB_SCENE] = r->scene,
+                                          [BB_FRAME] = frame,
+                                          [BB_QUESTION] = question,
+                                          [BB_BUILDER] = builder,
+                                          [BB_MAKER] = maker,
+                                          [BB_INTERSECTOR] = kernel}});
 }
 
 typedef char name[32];

@@ -1,7 +1,7 @@
 #include "framework/bench/audit_results.h"
 
-#include <cjson/cJSON.h>
 #include <math.h>
+#include <stdio.h>
 
 /* Checks that the printed median is at least the time that the device saw. */
 static void audit_median(bb_audit *audit, const bb_entry *entry, bb_field_id field)
@@ -9,7 +9,7 @@ static void audit_median(bb_audit *audit, const bb_entry *entry, bb_field_id fie
     bool is_build = bb_fields[field].part == BB_IN_BUILD;
     double shown = bb_get_number(entry, field);
     bb_samples events;
-    bb_get_samples(entry, is_build ? BB_F_BUILD_EVENT_SAMPLES : BB_F_TRACE_EVENT_SAMPLES, &events);
+    bb_get_samples(entry, is_build ? BB_F_BUILD_EVENT_SAMPLES : BB_F_TRACE_EVENT_MS, &events);
     double seen = bb_samples_median(&events);
     if (events.count > 0 && bb_audit_exceeds(seen, shown))
         bb_audit_complain(audit,
@@ -49,23 +49,16 @@ void bb_audit_rates(bb_audit *audit, bb_results *results)
     }
 }
 
-bb_status bb_results_add_audit(bb_results *results, const bb_audit *audit)
+bb_status bb_results_set_audit(bb_results *results, const bb_audit *audit)
 {
-    cJSON *root = bb_results_json(results);
-    cJSON_DeleteItemFromObjectCaseSensitive(root, "audit");
-    cJSON *entry = cJSON_AddObjectToObject(root, "audit");
-    bool ok = entry != NULL &&
-              cJSON_AddNumberToObject(entry, "timings", (double)audit->timings) != NULL &&
-              cJSON_AddNumberToObject(entry, "rates", (double)audit->rates) != NULL &&
-              cJSON_AddNumberToObject(entry, "rest_ms", audit->rest_ms) != NULL &&
-              cJSON_AddNumberToObject(entry, "complaints", audit->complaints) != NULL;
-    cJSON *texts = ok ? cJSON_AddArrayToObject(entry, "texts") : NULL;
-    ok = ok && texts != NULL;
-    for (uint32_t i = 0; ok && i < audit->complaints && i < BB_COMPLAINTS_MAX; i++) {
-        cJSON *text = cJSON_CreateString(audit->texts[i]);
-        ok = text != NULL && cJSON_AddItemToArray(texts, text);
-        if (!ok)
-            cJSON_Delete(text);
-    }
-    return ok ? BB_OK : bb_fail(BB_FAILED, "result document: no memory");
+    char texts[BB_COMPLAINTS_MAX * (sizeof audit->texts[0] + 2)] = "";
+    size_t used = 0;
+    for (uint32_t i = 0; i < audit->complaints && i < BB_COMPLAINTS_MAX; i++)
+        used += (size_t)snprintf(texts + used, sizeof texts - used, "%s%s", i > 0 ? "; " : "",
+                                 audit->texts[i]);
+    const double figures[] = {(double)audit->timings, (double)audit->rates, audit->rest_ms,
+                              audit->complaints};
+    for (int i = 0; i < 4; i++)
+        BB_TRY(bb_results_set_number(results, BB_F_CONTEXT_AUDIT_TIMINGS + i, figures[i]));
+    return bb_results_set_text(results, BB_F_CONTEXT_AUDIT_TEXTS, texts);
 }

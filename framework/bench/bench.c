@@ -242,7 +242,7 @@ bb_status bb_bench_run(const bb_bench_request *request, bb_results *results,
     bench->residency.seed = request->seed;
     bench->results = results;
     bench->outcome = outcome;
-    bench->next_id = bb_results_next_build(results);
+    bb_results_begin_run(results);
     bench->random = request->seed;
     bench->progress = &progress;
     bench->start = bb_wall_ms();

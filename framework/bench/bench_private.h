@@ -75,7 +75,6 @@ typedef struct bb_bench {
     bb_entrant *entrants;
     uint32_t entrant_count;
     bool *built;          /* for each requested builder: it has built some scene */
-    uint32_t next_id;     /* next id of a build, over all scenes */
     uint32_t judged;      /* judged cells of the current scene */
     uint32_t traced_sets; /* of it */
     bb_samples boxes_ms;  /* of it */

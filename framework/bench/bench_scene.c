@@ -85,7 +85,6 @@ static void start_entrant(bb_bench *bench, bb_entrant *entrant, const char *text
     entrant->reference = bb_is_reference(text);
     bb_build_record *record = &entrant->record;
     bb_build_record_init(record);
-    record->id = bench->next_id++;
     record->reference = entrant->reference;
     snprintf(record->scene, sizeof record->scene, "%s", bench->scene->name);
     bb_cell_parts cell = bb_bench_cell(bench);

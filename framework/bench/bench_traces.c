@@ -336,7 +336,6 @@ static void start_cell(trace_set *set, cell *c, bb_entrant *entrant, uint32_t ke
         c->layout = bb_bench_layout_of(bench, kernel, intersector);
     bb_trace_record *r = &c->record;
     bb_trace_record_init(r);
-    r->build = entrant->record.id;
     r->reference = entrant->reference;
     snprintf(r->scene, sizeof r->scene, "%s", bench->scene->name);
     snprintf(r->view, sizeof r->view, "%s", rays->view);

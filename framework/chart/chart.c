@@ -42,8 +42,7 @@ static int compare_numbers(double a, double b)
 static int compare_cells(const entry *a, const entry *b)
 {
     const char *left = key_of(a), *right = key_of(b);
-    int order = compare_numbers(bb_get_number(a->trace, BB_F_TRACE_BUILD),
-                                bb_get_number(b->trace, BB_F_TRACE_BUILD));
+    int order = compare_numbers(bb_place_of(a->build), bb_place_of(b->build));
     return order != 0 ? order
                       : strcmp(left + bb_cell_key_rays(left), right + bb_cell_key_rays(right));
 }
@@ -238,55 +237,17 @@ static void add_sets(bb_charts *charts, entry *entries, uint32_t count, const ch
     }
 }
 
-static int by_id(const void *left, const void *right)
-{
-    const bb_entry *const *a = left, *const *b = right;
-    return compare_numbers(bb_get_number(*a, BB_F_BUILD_ID), bb_get_number(*b, BB_F_BUILD_ID));
-}
-
-/* Returns all builds, indexed by id; NULL without memory. */
-static const bb_entry **sorted_builds(const bb_section *builds, uint32_t *count)
-{
-    const bb_entry **sorted = calloc((size_t)bb_section_count(builds) + 1, sizeof *sorted);
-    *count = 0;
-    if (sorted == NULL)
-        return NULL;
-    bb_each(build, builds)
-    {
-        sorted[(*count)++] = build;
-    }
-    qsort(sorted, *count, sizeof *sorted, by_id);
-    return sorted;
-}
-
-static const bb_entry *find_build(const bb_entry *const *sorted, uint32_t count, double id)
-{
-    uint32_t low = 0, high = count;
-    while (low < high) {
-        uint32_t middle = low + (high - low) / 2;
-        if (bb_get_number(sorted[middle], BB_F_BUILD_ID) < id)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low < count && bb_get_number(sorted[low], BB_F_BUILD_ID) == id ? sorted[low] : NULL;
-}
-
 /* Collects the measured traces with their builds, in the order of the document. Returns how many.
  */
-static uint32_t collect(const bb_section *traces, const bb_entry *const *builds,
-                        uint32_t build_count, entry *entries)
+static uint32_t collect(const bb_section *traces, entry *entries)
 {
     uint32_t count = 0, index = 0;
     bb_each(trace, traces)
     {
-        const bb_entry *build =
-            find_build(builds, build_count, bb_get_number(trace, BB_F_TRACE_BUILD));
-        bool measured = bb_is_ok(trace) && build != NULL &&
-                        bb_get_number(trace, BB_F_TRACE_RATE) > 0 &&
+        bool measured = bb_is_ok(trace) && bb_get_number(trace, BB_F_TRACE_RATE) > 0 &&
                         bb_get_number(trace, BB_F_TRACE_COUNT) > 0;
         if (measured)
-            entries[count++] = (entry){.trace = trace, .build = build, .index = index};
+            entries[count++] = (entry){.trace = trace, .build = bb_build_of(trace), .index = index};
         index++;
     }
     return count;
@@ -310,8 +271,7 @@ bb_status bb_charts_make(bb_results *results, bb_charts *out)
 {
     const bb_section *traces = bb_results_section(results, BB_TRACES);
     size_t room = (size_t)bb_section_count(traces) + 1;
-    uint32_t build_count, count;
-    const bb_entry **builds = sorted_builds(bb_results_section(results, BB_BUILDS), &build_count);
+    uint32_t count;
     entry *entries = calloc(room, sizeof *entries);
     const char **views = calloc(room, sizeof *views);
     /* each cell at most once on its own and once with the other views; no set without a cell, or
@@ -319,13 +279,12 @@ bb_status bb_charts_make(bb_results *results, bb_charts *out)
     *out = (bb_charts){.sets = calloc(2 * room, sizeof *out->sets),
                        .cells = calloc(2 * room, sizeof *out->cells)};
     bb_status status = BB_OK;
-    if (builds == NULL || entries == NULL || views == NULL || out->sets == NULL ||
-        out->cells == NULL) {
+    if (entries == NULL || views == NULL || out->sets == NULL || out->cells == NULL) {
         status = bb_fail(BB_FAILED, "charts: no memory");
         bb_charts_free(out);
         goto out;
     }
-    count = collect(traces, builds, build_count, entries);
+    count = collect(traces, entries);
     size_sets(entries, count);
     group_entries(entries, count, by_rays, compare_rays);
     qsort(entries, count, sizeof *entries, by_group);
@@ -336,7 +295,6 @@ bb_status bb_charts_make(bb_results *results, bb_charts *out)
 out:
     free(views);
     free(entries);
-    free(builds);
     return status;
 }
 

@@ -48,7 +48,7 @@ typedef struct bb_charts {
 bb_status bb_charts_make(bb_results *results, bb_charts *out);
 void bb_charts_free(bb_charts *charts);
 /* Returns the sets as JSON for the page, with members as in bb_chart_cell; NAN becomes null. Free
- * it with cJSON_free(). NULL without memory. */
+ * it with free(). NULL without memory. */
 char *bb_charts_json(const bb_charts *charts);
 
 /* Returns the number of the cell's run in a merged document; 0 is the first. */

@@ -99,7 +99,7 @@ static bb_status read_file(const char *argument, bb_cell_set *set)
     char path[PATH_MAX];
     bb_results *results = NULL;
     BB_TRY(bb_input_path(argument, path));
-    if (bb_table_is_file(path))
+    if (bb_table_is_other(path, "run"))
         return read_table(path, argument, set);
     BB_TRY(bb_results_read(path, &results));
     bb_status status = bb_cell_set_of_results(results, argument, set);

@@ -176,7 +176,7 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
     if (count == 0)
         return bb_fail(BB_INVALID, "merge: give the result files of shards, or their folders");
     BB_TRY(bb_input_path(cli->positional[0], path));
-    if (count == 1 && bb_table_is_file(path))
+    if (count == 1 && bb_table_is_other(path, "run"))
         return append_table(m, path);
     if (m->out == NULL && (count > 1 || m->history == NULL))
         return bb_fail(BB_INVALID, "merge: --out DIR says where the merged run goes");

@@ -11,7 +11,6 @@
 #include "framework/report/report_history.h"
 #include "framework/table/table.h"
 
-#include <cjson/cJSON.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -38,20 +37,6 @@ static const bb_cli_option options[] = {
     {.name = NULL},
 };
 
-/* Pictures of several inputs lie in several folders: each is told its own. */
-static bb_status locate_pictures(bb_results *results, const char *folder)
-{
-    cJSON *picture;
-    cJSON_ArrayForEach(picture,
-                       cJSON_GetObjectItemCaseSensitive(bb_results_json(results), "pictures"))
-    {
-        cJSON_DeleteItemFromObjectCaseSensitive(picture, BB_PICTURE_FOLDER);
-        if (cJSON_AddStringToObject(picture, BB_PICTURE_FOLDER, folder) == NULL)
-            return bb_fail(BB_FAILED, "report: no memory");
-    }
-    return BB_OK;
-}
-
 /* Reads `argument`; *folder is where it lies, from malloc. */
 static bb_status read_input(const char *argument, bb_results **results, char **folder)
 {
@@ -61,7 +46,7 @@ static bb_status read_input(const char *argument, bb_results **results, char **f
     *folder = bb_file_folder(path);
     if (*folder == NULL)
         return bb_fail(BB_FAILED, "report: no memory");
-    return locate_pictures(*results, *folder);
+    return bb_results_locate_pictures(*results, *folder); /* each input its own */
 }
 
 static bb_status write_charts(bb_results *results, const char *page, bool said)
@@ -187,7 +172,7 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
     if (cli->positional_count == 0)
         return bb_fail(BB_INVALID, "report: give a result file, or the folder of a run");
     for (uint32_t i = 0; i < cli->positional_count; i++)
-        if (bb_table_is_file(cli->positional[i]))
+        if (bb_table_is_other(cli->positional[i], "run"))
             return report_table(cli, w, cli->positional[i]);
     bb_results *all = NULL;
     char *folder = NULL, beside[PATH_MAX];

@@ -80,10 +80,10 @@ static bb_status set_totals(bb_results *results, bb_bench_outcome *outcome)
     const bb_bench_times *times = &outcome->times;
     bb_audit *audit = &outcome->audit;
     BB_TRY(bb_results_set_total(results, times->build_ms, times->trace_ms, times->total_ms));
-    bb_audit_total(audit, times->build_ms, times->trace_ms,
-                   bb_results_ms(results, BB_TIMES, "steps"), times->total_ms);
+    bb_audit_total(audit, times->build_ms, times->trace_ms, bb_results_time_ms(results, "steps"),
+                   times->total_ms);
     bb_audit_rates(audit, results);
-    return bb_results_add_audit(results, audit);
+    return bb_results_set_audit(results, audit);
 }
 
 /* Prints the answer and the paths of all files. This comes last, so that it stays on the screen. */
@@ -222,8 +222,8 @@ static bb_status compare(const bb_comparison *c, bb_device *device, int *exit_st
         c->shard != NULL ? bb_results_set_shard(results, c->shard, c->shard_of) : BB_OK;
     if (status == BB_OK)
         status = c->compare(c->request, device, results, &outcome);
-    bool measured = bb_results_section(results, BB_BUILDS)->child != NULL;
-    (void)bb_results_set_others(results, bb_bystanders_share(&watch));
+    bool measured = bb_section_count(bb_results_section(results, BB_BUILDS)) > 0;
+    (void)bb_results_set_number(results, BB_F_CONTEXT_OTHERS, bb_bystanders_share(&watch));
     bb_compiling compiling;
     bb_programs_measure(device, &compiling);
     (void)bb_results_set_compiling(results, &compiling);

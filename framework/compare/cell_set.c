@@ -92,19 +92,18 @@ static bb_status add_fields(bb_measured *cell, const bb_entry *entry, const bb_f
 static bb_status add_metrics(bb_measured *cell, const bb_entry *build)
 {
     for (uint32_t i = 0; i < bb_metric_count(); i++) {
-        char name[BB_METRIC_FIELD], full[BB_FIGURE_NAME];
+        char full[BB_FIGURE_NAME];
         double value = bb_get_metric(build, bb_metrics[i]);
         if (isfinite(value))
             BB_TRY(bb_measured_add_figure(cell, bb_metrics[i]->name, BB_BETTER_LESS, value));
-        snprintf(name, sizeof name, "layouts_%s", bb_metrics[i]->name);
         if (!bb_metrics[i]->of_layouts)
             continue;
         bb_each_part(layout, build, BB_F_BUILD_LAYOUTS_SAH)
         {
-            if (!isfinite(bb_part_number(layout)))
-                continue;
-            snprintf(full, sizeof full, "%.40s %.60s", name, bb_part_name(layout));
-            BB_TRY(bb_measured_add_figure(cell, full, BB_BETTER_LESS, bb_part_number(layout)));
+            snprintf(full, sizeof full, "%s %.60s", bb_fields[BB_F_BUILD_LAYOUTS_SAH].name,
+                     bb_part_name(layout));
+            BB_TRY(bb_measured_add_figure(cell, full, BB_BETTER_LESS,
+                                          bb_get_number(layout, BB_F_BUILD_LAYOUTS_SAH)));
         }
     }
     return BB_OK;
@@ -140,39 +139,32 @@ static bb_status add_entry(bb_cell_set *set, const bb_results *results, const bb
     return add_metrics(cell, entry);
 }
 
-/* A text that the run says of itself, of a document or else of a table. */
-typedef const char *text_fn(const void *from, const char *name);
-
-static const char *text_of_results(const void *from, const char *name)
-{
-    return bb_json_text(bb_results_context(from), name);
-}
-
-static const char *text_of_table(const void *from, const char *name)
+/* A text that the run says of itself. */
+static const char *text_of_run(const bb_table *from, const char *name)
 {
     return bb_table_get_text(from, bb_table_find(from, (bb_cell){{NULL}}), name);
 }
 
-static void read_origin(const void *from, text_fn *text, const char *what, bb_origin *origin)
+static void read_origin(const bb_table *from, const char *what, bb_origin *origin)
 {
     copy(origin->what, sizeof origin->what, what);
-    copy(origin->date, sizeof origin->date, text(from, "date"));
-    copy(origin->revision, sizeof origin->revision, text(from, "revision"));
-    copy(origin->host, sizeof origin->host, text(from, "host"));
-    copy(origin->cpu, sizeof origin->cpu, text(from, "cpu"));
-    copy(origin->device, sizeof origin->device, text(from, "device"));
-    copy(origin->device_type, sizeof origin->device_type, text(from, "device_type"));
-    copy(origin->driver, sizeof origin->driver, text(from, "driver"));
-    copy(origin->embree, sizeof origin->embree, text(from, "embree_version"));
-    copy(origin->seed, sizeof origin->seed, text(from, "seed"));
-    copy(origin->shard, sizeof origin->shard, text(from, "shard"));
+    copy(origin->date, sizeof origin->date, text_of_run(from, "date"));
+    copy(origin->revision, sizeof origin->revision, text_of_run(from, "revision"));
+    copy(origin->host, sizeof origin->host, text_of_run(from, "host"));
+    copy(origin->cpu, sizeof origin->cpu, text_of_run(from, "cpu"));
+    copy(origin->device, sizeof origin->device, text_of_run(from, "device"));
+    copy(origin->device_type, sizeof origin->device_type, text_of_run(from, "device_type"));
+    copy(origin->driver, sizeof origin->driver, text_of_run(from, "driver"));
+    copy(origin->embree, sizeof origin->embree, text_of_run(from, "embree_version"));
+    copy(origin->seed, sizeof origin->seed, text_of_run(from, "seed"));
+    copy(origin->shard, sizeof origin->shard, text_of_run(from, "shard"));
+    origin->interrupted = strcmp(text_of_run(from, "interrupted"), "yes") == 0;
 }
 
 bb_status bb_cell_set_of_results(const bb_results *results, const char *what, bb_cell_set *set)
 {
     memset(set, 0, sizeof *set);
-    read_origin(results, text_of_results, what, &set->origin);
-    set->origin.interrupted = bb_get_true(bb_results_context(results), BB_F_CONTEXT_INTERRUPTED);
+    read_origin(bb_results_table(results), what, &set->origin);
     bb_each(entry, bb_results_section(results, BB_BUILDS))
     {
         if (!bb_get_true(entry, BB_F_BUILD_UNMEASURED))
@@ -247,8 +239,7 @@ bb_status bb_cell_set_of_table(const bb_table *table, const char *what, bb_cell_
 {
     const uint32_t run = bb_table_find(table, (bb_cell){{NULL}});
     memset(set, 0, sizeof *set);
-    read_origin(table, text_of_table, what, &set->origin);
-    set->origin.interrupted = strcmp(text_of_table(table, "interrupted"), "yes") == 0;
+    read_origin(table, what, &set->origin);
     for (uint32_t row = 0; row < bb_table_row_count(table); row++) {
         if (row == run)
             continue;

@@ -280,10 +280,10 @@ static bb_status remember(bb_device *device, const bb_source *source, const char
 static bb_status take(const struct bb_program_cache *entry, const bb_source *source,
                       cl_program *program)
 {
-    *program = entry->program;
     if (entry->failure != NULL)
         return bb_fail(BB_FAILED, "%s", entry->failure);
-    BB_CL_TRY(clRetainProgram(*program), "taking the program of %s", source->name);
+    BB_CL_TRY(clRetainProgram(entry->program), "taking the program of %s", source->name);
+    *program = entry->program;
     return BB_OK;
 }
 
@@ -303,6 +303,8 @@ bb_status bb_program_build(bb_device *device, const bb_source *source, const cha
 {
     char options[sizeof device->programs->options];
     double ms;
+    cl_program made;
+    *program = NULL;
     const char *standard = strstr(defines, "-cl-std=") == NULL ? "-cl-std=CL1.2 " : "";
     /* -w disables warnings: the log of a successful compilation is shown to nobody, but clang
      * inside PoCL prints the number of warnings on stderr, such as those on vectors wider than the
@@ -314,8 +316,8 @@ bb_status bb_program_build(bb_device *device, const bb_source *source, const cha
         if (entry->text == source->text && entry->folder == source->folder &&
             strcmp(entry->options, options) == 0)
             return take(entry, source, program);
-    bb_status status = compile(device, source, options, program, &ms);
-    BB_TRY(remember(device, source, options, *program, ms, status == BB_OK ? NULL : bb_message()));
+    bb_status status = compile(device, source, options, &made, &ms);
+    BB_TRY(remember(device, source, options, made, ms, status == BB_OK ? NULL : bb_message()));
     return take(device->programs, source, program);
 }
 

@@ -3,8 +3,6 @@
 #include "framework/record/record.h"
 #include "framework/tree/metric.h"
 
-#include <cjson/cJSON.h>
-
 /* Figures under the names that they have in the document. */
 static const bb_field_id of_scenes[] = {BB_F_SCENE_PRIMS, BB_F_PROFILE_FLATNESS,
                                         BB_F_PROFILE_SIZE_MAX, BB_F_PROFILE_SIZE_MEDIAN,
@@ -37,12 +35,11 @@ static void put_numbers(bb_table *table, uint32_t row, const bb_entry *entry,
 
 static void add_scene(bb_table *table, const bb_entry *scene)
 {
-    const cJSON *view;
     bb_cell cell = {{[BB_SCENE] = bb_get_text(scene, BB_F_SCENE_NAME)}};
     put_numbers(table, bb_table_row(table, cell), scene, of_scenes, OF_SCENES);
-    cJSON_ArrayForEach(view, bb_get(scene, BB_F_SCENE_VIEWS))
+    bb_each_part(view, scene, BB_F_SCENE_VIEWS)
     {
-        cell.names[BB_FRAME] = cJSON_GetStringValue(view);
+        cell.names[BB_FRAME] = bb_part_name(view);
         bb_table_row(table, cell);
     }
 }
@@ -61,7 +58,8 @@ static void add_build(bb_table *table, const bb_entry *build)
     bb_each_part(phase, build, BB_F_BUILD_PHASES)
     {
         cell.names[BB_MAKER] = bb_part_name(phase);
-        bb_table_set_number(table, bb_table_row(table, cell), &phase_ms, bb_part_number(phase));
+        bb_table_set_number(table, bb_table_row(table, cell), &phase_ms,
+                            bb_get_number(phase, BB_F_BUILD_PHASES));
     }
 }
 
@@ -84,18 +82,17 @@ static void add_trace(bb_table *table, const bb_entry *trace)
         bb_table_set_rounds(table, row, &trace_ms, &rounds);
 }
 
-static bool is_of(const bb_entry *entry, bb_field_id id, uint32_t first)
+static bool is_of(const bb_entry *entry, uint32_t run)
 {
-    return bb_get_number(entry, id) >= first && bb_is_ok(entry);
+    return bb_run_of(entry) == run && bb_is_ok(entry);
 }
 
-bb_status bb_paper_measured(const bb_results *results, uint32_t first, bb_table *table)
+bb_status bb_paper_measured(const bb_results *results, uint32_t run, bb_table *table)
 {
     bb_each(scene, bb_results_section(results, BB_SCENES)) add_scene(table, scene);
-    bb_each(build, bb_results_section(results, BB_BUILDS)) if (is_of(build, BB_F_BUILD_ID, first))
+    bb_each(build, bb_results_section(results, BB_BUILDS)) if (is_of(build, run))
         add_build(table, build);
-    bb_each(trace,
-            bb_results_section(results, BB_TRACES)) if (is_of(trace, BB_F_TRACE_BUILD, first))
+    bb_each(trace, bb_results_section(results, BB_TRACES)) if (is_of(trace, run))
         add_trace(table, trace);
     return bb_table_status(table);
 }

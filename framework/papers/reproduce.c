@@ -219,7 +219,7 @@ bb_status bb_reproduce_check(const bb_reproduce_request *request)
 static bb_status run(const bb_reproduce_request *request, const bb_experiment *e, plan *p,
                      bb_findings *f, bb_results *results, bb_bench_outcome *outcome)
 {
-    const uint32_t first = bb_results_next_build(results);
+    const uint32_t run = bb_results_begin_run(results);
     bb_bench_outcome more;
     BB_TRY(make_plan(request, e, p));
     const bb_status status = bb_bench_run(&p->request, results, &more);
@@ -227,7 +227,7 @@ static bb_status run(const bb_reproduce_request *request, const bb_experiment *e
     BB_TRY(status);
     for (size_t s = 0; s < p->scenes.count; s++)
         BB_TRY(bb_paper_add_scene(f, p->scenes.items[s]));
-    return bb_paper_measured(results, first, f->table);
+    return bb_paper_measured(results, run, f->table);
 }
 
 uint32_t bb_paper_rounds(const bb_reproduce_request *request, uint32_t usual)

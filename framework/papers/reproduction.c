@@ -3,90 +3,79 @@
 #include "framework/record/record.h"
 #include "framework/show/page.h"
 
-#include <cjson/cJSON.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 struct bb_reproduction {
-    cJSON *root, *tables, *claims;
-    cJSON *rows; /* of the current table */
-    cJSON *row;
-    bool no_memory;
+    bb_results *results;
+    const char *paper;
+    bb_words title;               /* of the current table */
+    uint32_t tables, rows, cells; /* so far: of the paper, of the table, of the row */
+    bb_status status;
 };
 
 /* ---- making ---- */
 
-static void append(bb_reproduction *r, cJSON *array, cJSON *item)
+static void note(bb_reproduction *r, bb_status status)
 {
-    if (item != NULL && array != NULL && cJSON_AddItemToArray(array, item))
-        return;
-    cJSON_Delete(item);
-    r->no_memory = true;
+    r->status = r->status != BB_OK ? r->status : status;
 }
 
 void bb_paper_table_begin(bb_reproduction *r, const char *title, const char *const *columns)
 {
-    cJSON *table = cJSON_CreateObject();
-    append(r, r->tables, table);
-    r->no_memory = r->no_memory || cJSON_AddStringToObject(table, "title", title) == NULL;
-    cJSON *names = cJSON_AddArrayToObject(table, "columns");
-    for (const char *const *column = columns; *column != NULL; column++)
-        append(r, names, cJSON_CreateString(*column));
-    r->rows = cJSON_AddArrayToObject(table, "rows");
-    r->row = NULL;
+    r->title = (bb_words){0};
+    bb_say(&r->title, "%s", title);
+    r->tables++;
+    r->rows = 0;
+    for (uint32_t i = 0; columns[i] != NULL; i++)
+        note(r, bb_results_print_heading(r->results, r->paper, title, r->tables, i, columns[i]));
 }
 
 void bb_paper_row(bb_reproduction *r)
 {
-    r->row = cJSON_CreateArray();
-    append(r, r->rows, r->row);
+    r->rows++;
+    r->cells = 0;
+}
+
+static void put_cell(bb_reproduction *r, const char *text, double number)
+{
+    note(r, bb_results_print_cell(r->results, r->paper, r->title.text, r->tables, r->rows,
+                                  r->cells++, text, number));
 }
 
 void bb_paper_text(bb_reproduction *r, const char *text)
 {
-    append(r, r->row, cJSON_CreateString(text));
+    put_cell(r, text, (double)NAN);
 }
 
 void bb_paper_number(bb_reproduction *r, double value, int decimals)
 {
     double scale = pow(10, decimals);
-    append(r, r->row,
-           isfinite(value) ? cJSON_CreateNumber(round(value * scale) / scale) : cJSON_CreateNull());
+    put_cell(r, NULL, round(value * scale) / scale);
 }
 
 void bb_claim(bb_reproduction *r, bb_claim_verdict verdict, const char *claim, const char *paper,
               const bb_words *ours, const bb_words *why)
 {
-    cJSON *entry = cJSON_CreateObject();
-    append(r, r->claims, entry);
-    bool decided = verdict == BB_HELD || verdict == BB_NOT_HELD;
-    cJSON *held = decided ? cJSON_CreateBool(verdict == BB_HELD) : cJSON_CreateNull();
-    bool ok = cJSON_AddStringToObject(entry, bb_fields[BB_F_CLAIM_CLAIM].name, claim) != NULL &&
-              cJSON_AddItemToObject(entry, bb_fields[BB_F_CLAIM_HELD].name, held) &&
-              cJSON_AddStringToObject(entry, bb_fields[BB_F_CLAIM_VERDICT].name,
-                                      bb_verdict_words(verdict)) != NULL &&
-              cJSON_AddStringToObject(entry, bb_fields[BB_F_CLAIM_PAPER].name, paper) != NULL &&
-              cJSON_AddStringToObject(entry, bb_fields[BB_F_CLAIM_OURS].name, ours->text) != NULL &&
-              cJSON_AddStringToObject(entry, bb_fields[BB_F_CLAIM_WHY].name, why->text) != NULL;
-    r->no_memory = r->no_memory || !ok;
+    const bool decided = verdict == BB_HELD || verdict == BB_NOT_HELD;
+    const bb_claim_record record = {.claim = claim,
+                                    .verdict = bb_verdict_words(verdict),
+                                    .paper = paper,
+                                    .ours = ours->text,
+                                    .why = why->text,
+                                    .held = decided ? verdict == BB_HELD : -1};
+    note(r, bb_results_add_claim(r->results, r->paper, &record));
 }
 
 bb_status bb_reproduction_add(const bb_paper *paper, const bb_findings *findings,
                               bb_results *results)
 {
-    bb_reproduction r = {.root = cJSON_CreateObject()};
-    append(&r, bb_results_reproductions(results), r.root);
-    if (!r.no_memory) {
-        r.no_memory = cJSON_AddStringToObject(r.root, "name", paper->name) == NULL ||
-                      cJSON_AddStringToObject(r.root, "title", paper->title) == NULL;
-        r.tables = cJSON_AddArrayToObject(r.root, "tables");
-        r.claims = cJSON_AddArrayToObject(r.root, "claims");
-        bb_paper_add_tables(paper->tables, findings, &r);
-        for (int i = 0; i < 2; i++)
-            bb_paper_add_claims(paper->claims[i], findings, &r);
-    }
-    return r.no_memory ? bb_fail(BB_FAILED, "reproduce %s: no memory", paper->name) : BB_OK;
+    bb_reproduction r = {.results = results, .paper = paper->name};
+    note(&r, bb_results_add_paper(results, paper->name, paper->title));
+    bb_paper_add_tables(paper->tables, findings, &r);
+    for (int i = 0; i < 2; i++)
+        bb_paper_add_claims(paper->claims[i], findings, &r);
+    return r.status;
 }
 
 /* ---- as text ---- */
@@ -102,49 +91,53 @@ static int decimals_of(double value)
     return 6;
 }
 
-/* The most decimals that a number of column i needs; texts need none. */
-static int column_decimals(const cJSON *rows, uint32_t i)
+/* The most decimals that a number of the column needs, in the rows of one table; texts need none.
+ */
+static int column_decimals(const bb_entry *row, uint32_t column)
 {
-    const cJSON *row;
+    bb_printed cell;
     int most = 0;
-    cJSON_ArrayForEach(row, rows)
-    {
-        const cJSON *item = cJSON_GetArrayItem(row, (int)i);
-        const int own = cJSON_IsNumber(item) ? decimals_of(item->valuedouble) : 0;
+    for (const bb_entry *of = row; of != NULL; of = bb_next_printed(of)) {
+        const bool number = bb_get_printed(of, column, &cell) && isfinite(cell.number);
+        const int own = number ? decimals_of(cell.number) : 0;
         most = own > most ? own : most;
     }
     return most;
 }
 
-static void show_table(const cJSON *table, bb_page *page)
+static void show_row(const bb_entry *row, bb_page *page)
 {
-    const cJSON *rows = cJSON_GetObjectItemCaseSensitive(table, "rows");
-    const cJSON *name = cJSON_GetObjectItemCaseSensitive(table, "columns")->child, *row;
-    bb_page_grid(page, bb_get_text(table, BB_F_TABLE_TITLE));
-    for (uint32_t i = 0; name != NULL && i < BB_HEADS_MAX; i++, name = name->next)
-        bb_page_column(page, name->valuestring, "", "", column_decimals(rows, i));
-    cJSON_ArrayForEach(row, rows)
-    {
-        const cJSON *item = row->child;
-        for (uint32_t i = 0; item != NULL && i < BB_HEADS_MAX; i++, item = item->next) {
-            bb_estimate figure = bb_not_measured;
-            figure.value = cJSON_IsNumber(item) ? item->valuedouble : (double)NAN;
-            if (cJSON_IsString(item))
-                bb_page_put_text(page, item->valuestring);
-            else
-                bb_page_put_figure(page, figure, false);
-        }
+    bb_printed cell;
+    for (uint32_t i = 0; i < BB_HEADS_MAX && bb_get_printed(row, i, &cell); i++) {
+        bb_estimate figure = bb_not_measured;
+        figure.value = cell.number;
+        if (cell.text[0] != '\0')
+            bb_page_put_text(page, cell.text);
+        else
+            bb_page_put_figure(page, figure, false);
     }
+}
+
+/* Shows the table that begins at `row`. Returns the first row behind it. */
+static const bb_entry *show_table(const bb_entry *row, bb_page *page)
+{
+    bb_printed cell;
+    bb_page_grid(page, bb_get_text(row, BB_F_TABLE_TITLE));
+    for (uint32_t i = 0; i < BB_HEADS_MAX && bb_get_printed(row, i, &cell); i++)
+        bb_page_column(page, cell.heading, "", "", column_decimals(row, i));
+    const bb_entry *last = row; /* of headings alone */
+    while ((row = bb_next_printed(row)) != NULL)
+        show_row(last = row, page);
+    return bb_next_part(last, BB_F_TABLE_TITLE);
 }
 
 /* How a claim is counted. */
 enum { HELD, NOT_HELD, UNDECIDED, UNTESTED, KINDS };
 
-static int kind_of(const cJSON *claim)
+static int kind_of(const bb_entry *claim)
 {
-    const cJSON *held = cJSON_GetObjectItemCaseSensitive(claim, "held");
-    return cJSON_IsTrue(held)                                                     ? HELD
-           : cJSON_IsFalse(held)                                                  ? NOT_HELD
+    return bb_get_true(claim, BB_F_CLAIM_HELD)                                    ? HELD
+           : bb_get_text(claim, BB_F_CLAIM_HELD)[0] != '\0'                       ? NOT_HELD
            : strncmp(bb_get_text(claim, BB_F_CLAIM_VERDICT), "undecided", 9) == 0 ? UNDECIDED
                                                                                   : UNTESTED;
 }
@@ -155,7 +148,7 @@ static void show_line(bb_page *page, const char *label, const char *text)
         bb_page_say(page, "%s: %s", label, text);
 }
 
-static void show_claim(const cJSON *claim, bb_page *page)
+static void show_claim(const bb_entry *claim, bb_page *page)
 {
     const char *const verdicts[KINDS] = {"held", "DID NOT HOLD",
                                          bb_get_text(claim, BB_F_CLAIM_VERDICT),
@@ -167,14 +160,13 @@ static void show_claim(const cJSON *claim, bb_page *page)
     show_line(page, "why", bb_get_text(claim, BB_F_CLAIM_WHY));
 }
 
-static void show_claims(const cJSON *claims, bb_page *page)
+static void show_claims(const bb_entry *paper, bb_page *page)
 {
-    const cJSON *claim;
     int counts[KINDS] = {0};
-    cJSON_ArrayForEach(claim, claims) counts[kind_of(claim)]++;
+    bb_each_part(claim, paper, BB_F_CLAIM_VERDICT) counts[kind_of(claim)]++;
     bb_page_say(page, "claims: %d held, %d did not hold, %d undecided, %d cannot be tested here",
                 counts[HELD], counts[NOT_HELD], counts[UNDECIDED], counts[UNTESTED]);
-    cJSON_ArrayForEach(claim, claims) show_claim(claim, page);
+    bb_each_part(claim, paper, BB_F_CLAIM_VERDICT) show_claim(claim, page);
 }
 
 /* Where it was measured. */
@@ -194,16 +186,15 @@ static void show_here(const bb_results *results, bb_page *page)
 
 bb_status bb_reproduction_print(const bb_results *results, FILE *out)
 {
-    const cJSON *item, *table;
     bb_page *page;
     BB_TRY(bb_page_create("reproduce", &page));
-    cJSON_ArrayForEach(item, bb_results_member(results, "reproductions"))
+    bb_each(paper, bb_results_section(results, BB_PAPERS))
     {
-        bb_page_heading(page, bb_get_text(item, BB_F_PAPER_TITLE));
+        bb_page_heading(page, bb_get_text(paper, BB_F_PAPER_TITLE));
         show_here(results, page);
-        cJSON_ArrayForEach(table, cJSON_GetObjectItemCaseSensitive(item, "tables"))
-            show_table(table, page);
-        show_claims(cJSON_GetObjectItemCaseSensitive(item, "claims"), page);
+        for (const bb_entry *row = bb_first_part(paper, BB_F_TABLE_TITLE); row != NULL;)
+            row = show_table(row, page);
+        show_claims(paper, page);
     }
     const bb_status status = bb_page_status(page);
     bb_page_print(page, out);

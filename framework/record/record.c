@@ -1,12 +1,10 @@
-/* The result document, schema bvhbench-results/1: a cJSON tree that grows by one entry per record.
- * fields.h names its fields and says where they come from.
- */
+/* Results in memory: a table, whose rows are the entries of sections. */
 #include "framework/record/record.h"
+
+#include "framework/device/run_row.h"
 #include "framework/embree/embree.h"
 #include "framework/record/record_private.h"
-#include "framework/scene/prim.h"
 
-#include <cjson/cJSON.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
@@ -15,7 +13,7 @@
 
 static bb_status no_memory(void)
 {
-    return bb_fail(BB_FAILED, "result document: no memory");
+    return bb_fail(BB_REFUSED, "no memory for results");
 }
 
 void bb_build_record_init(bb_build_record *build)
@@ -39,81 +37,103 @@ void bb_trace_record_init(bb_trace_record *trace)
     trace->accuracy.first_wrong = BB_NONE;
 }
 
-/* Appends a new entry to the array `section`, and fills it from its record. */
-static bb_status append(bb_results *results, const char *section, bb_field_part part,
-                        const void *record, const void *extra)
-{
-    cJSON *array = cJSON_GetObjectItemCaseSensitive(results->root, section);
-    cJSON *entry = cJSON_CreateObject();
-    if (entry != NULL && bb_put_part(entry, part, record, extra) &&
-        (part != BB_IN_TRACE || bb_put_missing_key(entry)) && cJSON_AddItemToArray(array, entry))
-        return BB_OK;
-    cJSON_Delete(entry);
-    return no_memory();
-}
+/* ---- results ---- */
 
-/* ---- the document ---- */
-
-bb_status bb_results_create(const bb_context *context, bb_results **out)
+bb_status bb_results_make(bb_results **out)
 {
     *out = NULL;
-    char embree_version[32];
-    BB_TRY(bb_embree_version(embree_version, sizeof embree_version));
     bb_results *results = calloc(1, sizeof *results);
     if (results == NULL)
         return no_memory();
-    results->root = cJSON_CreateObject();
-    cJSON *root = results->root;
-    bool ok = root != NULL && bb_put_text(root, "schema", BB_RESULTS_SCHEMA) &&
-              bb_put_context(root, context, embree_version) == BB_OK &&
-              bb_put(root, "scenes", cJSON_CreateArray()) &&
-              bb_put(root, "builds", cJSON_CreateArray()) &&
-              bb_put(root, "traces", cJSON_CreateArray()) &&
-              bb_put(root, "steps_ms", cJSON_CreateObject()) &&
-              bb_put(root, "skipped", cJSON_CreateArray()) &&
-              bb_put(root, "pictures", cJSON_CreateArray());
-    if (!ok) {
-        bb_results_destroy(results);
-        return no_memory();
+    bb_status status = bb_table_create("run", &results->table);
+    if (status != BB_OK) {
+        free(results);
+        return status;
     }
     *out = results;
     return BB_OK;
+}
+
+bb_status bb_results_create(const bb_context *about, bb_results **out)
+{
+    bb_results *results;
+    char embree_version[32];
+    *out = NULL;
+    BB_TRY(bb_embree_version(embree_version, sizeof embree_version));
+    BB_TRY(bb_results_make(&results));
+    const uint32_t row = bb_run_row(results->table, about->device, about->seed, about->command);
+    bb_status status = bb_table_status(results->table);
+    if (status == BB_OK)
+        status = bb_results_enter(results, row);
+    if (status == BB_OK) {
+        bb_put_text(results->context, BB_F_CONTEXT_EMBREE, embree_version);
+        bb_put_text(results->context, BB_F_CONTEXT_EMBREE_API, BB_EMBREE_API);
+        status = bb_table_status(results->table);
+    }
+    if (status == BB_OK)
+        *out = results;
+    else
+        bb_results_destroy(results);
+    return status;
+}
+
+static void empty(bb_results *results)
+{
+    for (uint32_t i = 0; i < results->entry_count; i++)
+        free(results->entries[i]);
+    free(results->entries);
+    bb_table_free(results->table);
 }
 
 void bb_results_destroy(bb_results *results)
 {
     if (results == NULL)
         return;
-    cJSON_Delete(results->root);
+    empty(results);
     free(results);
 }
 
-cJSON *bb_results_json(bb_results *results)
+void bb_results_replace(bb_results *results, bb_results *made)
 {
-    return results->root;
+    empty(results);
+    *results = *made;
+    free(made);
+}
+
+const bb_table *bb_results_table(const bb_results *results)
+{
+    return results->table;
 }
 
 const bb_section *bb_results_section(const bb_results *results, bb_section_id section)
 {
-    static const char *const names[BB_SECTIONS] = {"scenes",  "builds",   "traces",
-                                                   "skipped", "pictures", "predictions",
-                                                   "merged",  "steps_ms", "time_ms"};
-    return cJSON_GetObjectItemCaseSensitive(results->root, names[section]);
-}
-
-const cJSON *bb_results_member(const bb_results *results, const char *name)
-{
-    return cJSON_GetObjectItemCaseSensitive(results->root, name);
+    return &results->sections[section];
 }
 
 const bb_entry *bb_results_context(const bb_results *results)
 {
-    return cJSON_GetObjectItemCaseSensitive(results->root, "context");
+    return results->context;
 }
 
-double bb_results_ms(const bb_results *results, bb_section_id section, const char *part)
+double bb_results_step_ms(const bb_results *results, const char *step)
 {
-    return bb_json_number(bb_results_section(results, section), part);
+    return bb_get_number(bb_results_find(results, (bb_cell){{[BB_MAKER] = step}}), BB_F_STEP_MS);
+}
+
+double bb_results_time_ms(const bb_results *results, const char *part)
+{
+    return bb_get_number(bb_results_find(results, (bb_cell){{[BB_MAKER] = part}}), BB_F_STEP_TIME);
+}
+
+bb_entry *bb_results_find(const bb_results *results, bb_cell cell)
+{
+    const uint32_t row = bb_table_find(results->table, cell);
+    return row < results->entry_count ? results->entries[row] : NULL;
+}
+
+const bb_entry *bb_results_scene(const bb_results *results, const char *name)
+{
+    return bb_results_find(results, (bb_cell){{[BB_SCENE] = name}});
 }
 
 bool bb_device_is_like(const char *device, const char *type, const char *other,
@@ -134,152 +154,191 @@ const char *bb_results_reference(const bb_results *results)
     return "Embree";
 }
 
-cJSON *bb_results_scene(const bb_results *results, const char *name)
+/* ---- runs ---- */
+
+const char *bb_run_name(uint32_t run, char text[16])
 {
-    cJSON *scene;
-    cJSON_ArrayForEach(scene, cJSON_GetObjectItemCaseSensitive(results->root, "scenes"))
-    {
-        if (strcmp(bb_get_text(scene, BB_F_SCENE_NAME), name) == 0)
-            return scene;
-    }
-    return NULL;
+    snprintf(text, 16, "%u", run);
+    return run > 0 ? text : NULL;
 }
 
-cJSON *bb_results_build(const bb_results *results, uint32_t id)
+uint32_t bb_results_new_run(const bb_results *results)
 {
-    cJSON *build;
-    cJSON_ArrayForEach(build, cJSON_GetObjectItemCaseSensitive(results->root, "builds"))
-    {
-        if (bb_get_number(build, BB_F_BUILD_ID) == (double)id)
-            return build;
+    uint32_t last = 0;
+    for (uint32_t row = 0; row < bb_table_row_count(results->table); row++) {
+        const uint32_t run =
+            (uint32_t)strtoul(bb_table_name(results->table, row, BB_RUN), NULL, 10);
+        last = run > last ? run : last;
     }
-    return NULL;
+    return last + 1;
 }
 
-uint32_t bb_results_next_build(const bb_results *results)
+uint32_t bb_results_begin_run(bb_results *results)
 {
-    uint32_t next = 0;
-    bb_each(build, bb_results_section(results, BB_BUILDS))
-    {
-        uint32_t id = (uint32_t)bb_get_number(build, BB_F_BUILD_ID);
-        next = id < next ? next : id + 1;
-    }
-    return next;
+    const bb_entry *last = results->sections[BB_BUILDS].last;
+    if (last != NULL && bb_run_of(last) == results->run)
+        results->run = bb_results_new_run(results);
+    return results->run;
 }
 
 /* ---- entries ---- */
 
+bb_entry *bb_results_entry(bb_results *results, bb_cell cell)
+{
+    const uint32_t row = bb_table_row(results->table, cell);
+    bb_status status = bb_table_status(results->table);
+    if (status == BB_OK)
+        status = bb_results_enter(results, row);
+    if (results->status == BB_OK)
+        results->status = status;
+    return status == BB_OK ? results->entries[row] : NULL;
+}
+
+/* Of an entry, and of the values that were put into it. */
+static bb_status status_of(const bb_results *results)
+{
+    return results->status != BB_OK ? results->status : bb_table_status(results->table);
+}
+
+bb_entry *bb_results_part(bb_results *results, const bb_entry *entry, const char *name)
+{
+    bb_cell cell = bb_table_cell(results->table, entry->row);
+    cell.names[BB_MAKER] = name;
+    return bb_results_entry(results, cell);
+}
+
+/* Adds the entry of a cell and fills it from its record. */
+static bb_status add(bb_results *results, bb_cell cell, bb_field_part part, const void *record,
+                     const void *extra, bb_entry **out)
+{
+    bb_entry *entry = bb_results_entry(results, cell);
+    if (entry == NULL)
+        return results->status;
+    bb_put_part(&(bb_put){results, entry, record, extra}, part);
+    *out = entry;
+    return status_of(results);
+}
+
 bb_status bb_results_add_scene(bb_results *results, const bb_scene *scene,
                                const bb_samples *boxes_ms)
 {
-    char hash[17], kinds[64];
-    bb_prim_kind_names(scene->kinds, kinds, sizeof kinds);
+    char hash[17];
+    bb_entry *entry = NULL;
     snprintf(hash, sizeof hash, "%016llx", (unsigned long long)scene->hash);
     const bb_entry *known = bb_results_scene(results, scene->name);
-    if (known == NULL)
-        return append(results, "scenes", BB_IN_SCENE, scene, boxes_ms);
-    if (strcmp(bb_get_text(known, BB_F_SCENE_HASH), hash) == 0)
-        return BB_OK;
-    return bb_fail(BB_INVALID, "scene %s is in the results already with other geometry",
-                   scene->name);
+    if (known != NULL)
+        return strcmp(bb_get_text(known, BB_F_SCENE_HASH), hash) == 0
+                   ? BB_OK
+                   : bb_fail(BB_INVALID, "scene %s is in the results already with other geometry",
+                             scene->name);
+    BB_TRY(
+        add(results, (bb_cell){{[BB_SCENE] = scene->name}}, BB_IN_SCENE, scene, boxes_ms, &entry));
+    bb_put_part(&(bb_put){results, entry, scene, NULL}, BB_IN_PROFILE);
+    return status_of(results);
+}
+
+/* The cell of what the present run adds. */
+static bb_cell cell_of(const bb_results *results, char run[16], const char *scene,
+                       const char *builder)
+{
+    return (bb_cell){
+        {[BB_RUN] = bb_run_name(results->run, run), [BB_SCENE] = scene, [BB_BUILDER] = builder}};
 }
 
 bb_status bb_results_add_build(bb_results *results, const bb_build_record *build)
 {
-    if (bb_results_build(results, build->id) != NULL)
-        return bb_fail(BB_INVALID, "build %u is in the results already", build->id);
-    return append(results, "builds", BB_IN_BUILD, build, bb_results_scene(results, build->scene));
+    char run[16];
+    bb_entry *entry = NULL;
+    const bb_cell cell = cell_of(results, run, build->scene, build->spec->text);
+    if (bb_results_find(results, cell) != NULL)
+        return bb_fail(BB_INVALID, "the build of %.200s on %.200s is in the results already",
+                       build->spec->text, build->scene);
+    BB_TRY(add(results, cell, BB_IN_BUILD, build, NULL, &entry));
+    if (build->has_tree)
+        bb_put_tree(results, entry, build);
+    return status_of(results);
 }
 
 bb_status bb_results_add_trace(bb_results *results, const bb_trace_record *trace)
 {
-    if (bb_results_build(results, trace->build) == NULL)
-        return bb_fail(BB_INVALID, "a trace names build %u, which is not in the results",
-                       trace->build);
-    return append(results, "traces", BB_IN_TRACE, trace, NULL);
+    char run[16];
+    bb_entry *entry = NULL;
+    bb_cell cell = cell_of(results, run, trace->scene, trace->builder);
+    if (bb_results_find(results, cell) == NULL)
+        return bb_fail(BB_INVALID,
+                       "a trace names a build of %.200s on %.200s, which is not in the "
+                       "results",
+                       trace->builder, trace->scene);
+    cell.names[BB_QUESTION] = trace->rays;
+    cell.names[BB_VIEW] = trace->view;
+    cell.names[BB_KERNEL] = trace->kernel;
+    cell.names[BB_INTERSECTOR] = trace->intersector;
+    if (bb_results_find(results, cell) != NULL)
+        return bb_fail(BB_INVALID,
+                       "%.200s on %.200s, %.100s by %.100s: the trace is in the results already",
+                       trace->builder, trace->scene, trace->rays, trace->kernel);
+    BB_TRY(add(results, cell, BB_IN_TRACE, trace, NULL, &entry));
+    if (trace->has_accuracy)
+        bb_put_part(&(bb_put){results, entry, trace, NULL}, BB_IN_ACCURACY);
+    bb_put_missing_key(entry);
+    return status_of(results);
 }
 
 bb_status bb_results_add_prediction(bb_results *results, const bb_prediction_record *prediction)
 {
-    if (bb_results_section(results, BB_PREDICTIONS) == NULL &&
-        cJSON_AddArrayToObject(results->root, "predictions") == NULL)
-        return no_memory();
-    return append(results, "predictions", BB_IN_PREDICTION, prediction, NULL);
+    bb_entry *entry = NULL;
+    return add(results, (bb_cell){{[BB_QUESTION] = prediction->rays}}, BB_IN_PREDICTION, prediction,
+               NULL, &entry);
 }
 
 void bb_results_clear_predictions(bb_results *results)
 {
-    cJSON_DeleteItemFromObjectCaseSensitive(results->root, "predictions");
+    for (bb_entry *entry = results->sections[BB_PREDICTIONS].first; entry != NULL;
+         entry = entry->next)
+        for (int id = 0; id < BB_FIELDS; id++)
+            if (bb_fields[id].part == BB_IN_PREDICTION && bb_fields[id].kind == BB_FIELD_NUMBER)
+                bb_put_number(entry, (bb_field_id)id, (double)NAN);
 }
 
 bb_status bb_results_add_skipped(bb_results *results, const char *scene, const char *rays,
                                  const char *view, const char *reason)
 {
-    const bb_note_record note = {.scene = scene, .rays = rays, .view = view, .reason = reason};
-    return append(results, "skipped", BB_IN_SKIPPED, &note, NULL);
+    char run[16];
+    bb_cell cell = cell_of(results, run, scene, NULL);
+    cell.names[BB_QUESTION] = rays;
+    cell.names[BB_VIEW] = view;
+    bb_entry *entry = bb_results_entry(results, cell);
+    bb_put_text(entry, BB_F_SKIPPED_REASON, reason);
+    return status_of(results);
 }
 
 bb_status bb_results_add_picture(bb_results *results, const char *scene, const char *view,
                                  const char *caption, const char *path)
 {
-    const bb_note_record note = {.scene = scene, .view = view, .caption = caption, .path = path};
-    return append(results, "pictures", BB_IN_PICTURE, &note, NULL);
+    char run[16];
+    bb_cell cell = cell_of(results, run, scene, NULL);
+    cell.names[BB_VIEW] = view;
+    cell.names[BB_FRAME] = path;
+    bb_entry *entry = bb_results_entry(results, cell);
+    bb_put_text(entry, BB_F_PICTURE_CAPTION, caption);
+    return status_of(results);
 }
 
-cJSON *bb_results_reproductions(bb_results *results)
+bb_status bb_results_locate_pictures(bb_results *results, const char *folder)
 {
-    cJSON *all = cJSON_GetObjectItemCaseSensitive(results->root, "reproductions");
-    return all != NULL ? all : cJSON_AddArrayToObject(results->root, "reproductions");
+    for (bb_entry *entry = results->sections[BB_PICTURES].first; entry != NULL; entry = entry->next)
+        bb_put_text(entry, BB_F_PICTURE_FOLDER, folder);
+    return status_of(results);
 }
 
 /* ---- times ---- */
 
 bb_status bb_results_add_step(bb_results *results, const char *name, double ms)
 {
-    cJSON *steps = cJSON_GetObjectItemCaseSensitive(results->root, "steps_ms");
-    cJSON *known = cJSON_GetObjectItemCaseSensitive(steps, name);
-    if (known == NULL)
-        return bb_put_number(steps, name, ms) ? BB_OK : no_memory();
-    cJSON_SetNumberValue(known, known->valuedouble + ms);
-    return BB_OK;
-}
-
-bb_status bb_results_set_others(bb_results *results, double processors)
-{
-    cJSON *context = cJSON_GetObjectItemCaseSensitive(results->root, "context");
-    const char *name = bb_fields[BB_F_CONTEXT_OTHERS].name;
-    cJSON_DeleteItemFromObjectCaseSensitive(context, name);
-    return bb_put_number(context, name, processors) ? BB_OK : no_memory();
-}
-
-bb_status bb_results_set_compiling(bb_results *results, const bb_compiling *compiling)
-{
-    cJSON *context = cJSON_GetObjectItemCaseSensitive(results->root, "context");
-    bool ok = bb_put_number(context, bb_fields[BB_F_CONTEXT_PROGRAMS].name, compiling->programs) &&
-              bb_put_number(context, bb_fields[BB_F_CONTEXT_COMPILE].name, compiling->ms) &&
-              bb_put_text(context, bb_fields[BB_F_CONTEXT_CACHE].name, compiling->cache);
-    return ok ? BB_OK : no_memory();
-}
-
-bb_status bb_results_set_shard(bb_results *results, const char *shard, uint64_t of)
-{
-    char hash[24];
-    cJSON *context = cJSON_GetObjectItemCaseSensitive(results->root, "context");
-    const char *name = bb_fields[BB_F_CONTEXT_SHARD].name;
-    const char *whole = bb_fields[BB_F_CONTEXT_SHARD_OF].name;
-    snprintf(hash, sizeof hash, "%016" PRIx64, of);
-    cJSON_DeleteItemFromObjectCaseSensitive(context, name);
-    cJSON_DeleteItemFromObjectCaseSensitive(context, whole);
-    return bb_put_text(context, name, shard) && bb_put_text(context, whole, hash) ? BB_OK
-                                                                                  : no_memory();
-}
-
-bb_status bb_results_set_interrupted(bb_results *results)
-{
-    cJSON *context = cJSON_GetObjectItemCaseSensitive(results->root, "context");
-    const char *name = bb_fields[BB_F_CONTEXT_INTERRUPTED].name;
-    cJSON_DeleteItemFromObjectCaseSensitive(context, name);
-    return cJSON_AddTrueToObject(context, name) != NULL ? BB_OK : no_memory();
+    bb_entry *step = bb_results_entry(results, (bb_cell){{[BB_MAKER] = name}});
+    const double known = bb_get_number(step, BB_F_STEP_MS);
+    bb_put_number(step, BB_F_STEP_MS, ms + (isfinite(known) ? known : 0));
+    return status_of(results);
 }
 
 bb_status bb_results_set_total(bb_results *results, double build_ms, double trace_ms,
@@ -288,16 +347,50 @@ bb_status bb_results_set_total(bb_results *results, double build_ms, double trac
     double steps_ms = 0;
     bb_each(step, bb_results_section(results, BB_STEPS))
     {
-        if (cJSON_IsNumber(step))
-            steps_ms += step->valuedouble;
+        const double ms = bb_get_number(step, BB_F_STEP_MS);
+        steps_ms += isfinite(ms) ? ms : 0;
     }
     const bb_named_ms times[] = {
         {"build", build_ms}, {"trace", trace_ms},
         {"steps", steps_ms}, {"other", total_ms - build_ms - trace_ms - steps_ms},
         {"total", total_ms},
     };
-    cJSON_DeleteItemFromObjectCaseSensitive(results->root, "time_ms");
-    return bb_put_named(results->root, "time_ms", times, sizeof times / sizeof times[0])
-               ? BB_OK
-               : no_memory();
+    for (size_t i = 0; i < sizeof times / sizeof times[0]; i++) /* NAN: all or none */
+        bb_put_number(bb_results_entry(results, (bb_cell){{[BB_MAKER] = times[i].name}}),
+                      BB_F_STEP_TIME, isfinite(total_ms) ? times[i].ms : (double)NAN);
+    return status_of(results);
+}
+
+/* ---- the context ---- */
+
+bb_status bb_results_set_number(bb_results *results, bb_field_id field, double value)
+{
+    bb_put_number(results->context, field, value);
+    return status_of(results);
+}
+
+bb_status bb_results_set_text(bb_results *results, bb_field_id field, const char *value)
+{
+    bb_put_text(results->context, field, value);
+    return status_of(results);
+}
+
+bb_status bb_results_set_compiling(bb_results *results, const bb_compiling *compiling)
+{
+    bb_put_number(results->context, BB_F_CONTEXT_PROGRAMS, compiling->programs);
+    bb_put_number(results->context, BB_F_CONTEXT_COMPILE, compiling->ms);
+    return bb_results_set_text(results, BB_F_CONTEXT_CACHE, compiling->cache);
+}
+
+bb_status bb_results_set_shard(bb_results *results, const char *shard, uint64_t of)
+{
+    char hash[24];
+    snprintf(hash, sizeof hash, "%016" PRIx64, of);
+    bb_put_text(results->context, BB_F_CONTEXT_SHARD, shard);
+    return bb_results_set_text(results, BB_F_CONTEXT_SHARD_OF, hash);
+}
+
+bb_status bb_results_set_interrupted(bb_results *results)
+{
+    return bb_results_set_text(results, BB_F_CONTEXT_INTERRUPTED, "yes");
 }

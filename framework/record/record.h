@@ -1,5 +1,6 @@
-/* Records of a run, and the result file (schema bvhbench-results/1). Names contain the units. NAN
- * and NULL mean "not measured" and are written as null, never as 0.
+/* Records of a run, and its results: a table (framework/table) whose rows are scenes, builds,
+ * traces and their parts. Names contain the units. NAN and NULL mean "not measured": the file has
+ * no value then, never 0.
  */
 #ifndef BB_RECORD_H
 #define BB_RECORD_H
@@ -29,7 +30,6 @@ typedef struct bb_named_ms {
 } bb_named_ms;
 
 typedef struct bb_build_record {
-    uint32_t id;
     char scene[256];
     char cell[BB_CELL_KEY];   /* key of the build; "": none */
     const bb_spec *spec;      /* builder and parameters as given */
@@ -82,7 +82,6 @@ typedef struct bb_build_record {
 } bb_build_record;
 
 typedef struct bb_trace_record {
-    uint32_t build;         /* id of the build */
     char cell[BB_CELL_KEY]; /* key of the trace; "": none */
     char scene[256], view[48], builder[512], kernel[512], layout[96], intersector[64];
     char rays[128];
@@ -129,6 +128,12 @@ typedef struct bb_prediction_record {
     double sah_error, sah_correlation, epo_error, epo_correlation, work_error, work_correlation;
 } bb_prediction_record;
 
+/* What a paper says, and whether it holds here. */
+typedef struct bb_claim_record {
+    const char *claim, *verdict, *paper, *ours, *why;
+    int held; /* 1, 0; -1: not decided */
+} bb_claim_record;
+
 /* Empty records: every figure "not measured", status ok. */
 void bb_build_record_init(bb_build_record *build);
 void bb_trace_record_init(bb_trace_record *trace);
@@ -158,8 +163,13 @@ void bb_results_destroy(bb_results *results);
 /* `boxes_ms`: times of making the primitives' boxes on the device; NULL: not measured. */
 bb_status bb_results_add_scene(bb_results *results, const bb_scene *scene,
                                const bb_samples *boxes_ms);
+/* BB_INVALID if the present run has this build already. */
 bb_status bb_results_add_build(bb_results *results, const bb_build_record *build);
+/* BB_INVALID if the build is missing, or if the present run has this trace already. */
 bb_status bb_results_add_trace(bb_results *results, const bb_trace_record *trace);
+/* What is added from now on belongs to another run on the same machine, unless there are no builds
+ * yet: the same cells may then be measured again. Returns its number; the first is 0. */
+uint32_t bb_results_begin_run(bb_results *results);
 /* Adds the time of a step outside builds and traces, such as "load" or "judge answers". Times of
  * one name add up. */
 bb_status bb_results_add_step(bb_results *results, const char *name, double ms);
@@ -167,10 +177,10 @@ bb_status bb_results_add_step(bb_results *results, const char *name, double ms);
  * account for, becomes "other". To be called after the last step; a later call replaces it. */
 bb_status bb_results_set_total(bb_results *results, double build_ms, double trace_ms,
                                double total_ms);
-/* Sets how many processors other programs kept busy during the run; NAN: not known. A later call
- * replaces it. */
-bb_status bb_results_set_others(bb_results *results, double processors);
-/* Sets what compiling took (framework/device/device_private.h). To be called once. */
+/* Set a figure or a text of the context. NAN and "": there is none. A later call replaces it. */
+bb_status bb_results_set_number(bb_results *results, bb_field_id field, double value);
+bb_status bb_results_set_text(bb_results *results, bb_field_id field, const char *value);
+/* Sets what compiling took (framework/device/device_private.h). */
 bb_status bb_results_set_compiling(bb_results *results, const bb_compiling *compiling);
 /* Marks the run as a shard, such as "2/8". `of` is a hash of the whole request. */
 bb_status bb_results_set_shard(bb_results *results, const char *shard, uint64_t of);
@@ -179,18 +189,29 @@ bb_status bb_results_set_interrupted(bb_results *results);
 /* Adds a ray set that could not be made, with the reason. */
 bb_status bb_results_add_skipped(bb_results *results, const char *scene, const char *rays,
                                  const char *view, const char *reason);
+/* Sets the folder in which all pictures lie. */
+bb_status bb_results_locate_pictures(bb_results *results, const char *folder);
 /* Adds a picture for the report. `path` is relative to the results folder. */
 bb_status bb_results_add_picture(bb_results *results, const char *scene, const char *view,
                                  const char *caption, const char *path);
+/* Adds a reproduced paper (without a title it is shown by its name), a claim of it, and a row of a
+ * table that it prints. The row's cells are set one by one; bb_results_print_cell() takes a text,
+ * or NULL and a number. Tables and rows are numbered from 0. They do nothing after a failure.
+ * BB_INVALID if the present run has the paper already. */
+bb_status bb_results_add_paper(bb_results *results, const char *name, const char *title);
+bb_status bb_results_add_claim(bb_results *results, const char *paper,
+                               const bb_claim_record *claim);
+bb_status bb_results_print_heading(bb_results *results, const char *paper, const char *title,
+                                   uint32_t table, uint32_t column, const char *heading);
+bb_status bb_results_print_cell(bb_results *results, const char *paper, const char *title,
+                                uint32_t table, uint32_t row, uint32_t column, const char *text,
+                                double number);
 
-/* Predictions follow from the whole document, so merging and joining remove them. */
+/* Adds the prediction for one kind of rays, or replaces it. Predictions follow from all other rows,
+ * so merging and joining clear them: a prediction without "cells" is none. */
 bb_status bb_results_add_prediction(bb_results *results, const bb_prediction_record *prediction);
 void bb_results_clear_predictions(bb_results *results);
 
-/* Returns the least id that no build has. */
-uint32_t bb_results_next_build(const bb_results *results);
-
-cJSON *bb_results_json(bb_results *results); /* still owned by `results` */
 typedef enum bb_section_id {
     BB_SCENES,
     BB_BUILDS,
@@ -198,47 +219,43 @@ typedef enum bb_section_id {
     BB_SKIPPED,
     BB_PICTURES,
     BB_PREDICTIONS,
-    BB_MERGED, /* contexts of runs that were merged into this document */
-    BB_STEPS,  /* parts: times outside builds and traces, in ms */
-    BB_TIMES,  /* parts: "build", "trace", "steps", "other", "total", in ms */
+    BB_PAPERS, /* reproduced; their parts are claims and rows of tables */
+    BB_MERGED, /* contexts of runs that were merged into these results */
+    BB_STEPS,  /* steps and times of the run */
     BB_SECTIONS
 } bb_section_id;
 
-/* Returns a section; NULL if there is none. */
+/* Entries stay where they are until results are merged, joined or destroyed. */
 const bb_section *bb_results_section(const bb_results *results, bb_section_id section);
-/* Returns another member of the document, such as "advice", "audit" or "reproductions"; NULL if
- * there is none. */
-const cJSON *bb_results_member(const bb_results *results, const char *name);
 const bb_entry *bb_results_context(const bb_results *results);
-/* Returns the number of a part of a section; NAN if there is none. */
-double bb_results_ms(const bb_results *results, bb_section_id section, const char *part);
-/* Finds a scene by name, a build by id; NULL if there is none. */
-cJSON *bb_results_scene(const bb_results *results, const char *name);
-cJSON *bb_results_build(const bb_results *results, uint32_t id);
-/* Returns the array of reproductions of papers, which is made if there is none; NULL without
- * memory. */
-cJSON *bb_results_reproductions(bb_results *results);
-/* Returns the document as text, with enough digits to read each number back exactly. Free it with
- * cJSON_free(). NULL without memory. */
-char *bb_results_print(const bb_results *results, bool formatted);
+/* Returns a scene by name; NULL if there is none. */
+const bb_entry *bb_results_scene(const bb_results *results, const char *name);
+/* Returns the time of a step; NAN if there is none. */
+double bb_results_step_ms(const bb_results *results, const char *step);
+/* Returns the time "build", "trace", "steps", "other" or "total"; NAN if it was not set. */
+double bb_results_time_ms(const bb_results *results, const char *part);
+/* Returns all rows, still owned by `results`. */
+const bb_table *bb_results_table(const bb_results *results);
+/* Returns the entries section by section as JSON, with derived figures, for the page. From malloc;
+ * NULL without memory. */
+char *bb_results_json(const bb_results *results);
 
-/* Writes the file by way of a temporary file, so that an interrupted run leaves the old file or
+/* Writes the table by way of a temporary file, so that an interrupted run leaves the old file or
  * none. */
 bb_status bb_results_write(const bb_results *results, const char *path);
-/* Reads a file and checks it against the schema. BB_INVALID names what is wrong. */
+/* Reads a table and checks that its rows are those of a run. BB_INVALID names what is wrong. */
 bb_status bb_results_read(const char *path, bb_results **out);
-/* Appends b's scenes, builds (renumbered), traces, skipped sets, pictures, reproductions and times
- * to a. b's context goes into a's array "merged", and b's builds, traces and skipped sets get the
- * member "run", the number of that context from 1. Times add up; the total is dropped if a or b has
- * none. BB_INVALID if a scene of one name has two geometries. */
+/* Adds b's rows to a, as rows of further runs: b's context and those merged into b get the next
+ * free numbers, and so do its builds, traces, skipped sets, pictures and papers. Times add up; the
+ * total is dropped if a or b has none. BB_INVALID if a scene of one name has two geometries. */
 bb_status bb_results_merge(bb_results *a, const bb_results *b);
 
 /* Adds shard b of a run to a, another shard of it or several that were joined. The context's
  * "shards" lists them. If one shard measured a build and the other only needed it, the measured one
- * stays. BB_INVALID if both are not of one run (revision, device or seed differ) or measured the
- * same cell; `a` must not be used then. */
+ * stays, also for the traces of the other, unless the trees differ. BB_INVALID if both are not of
+ * one run (revision, device or seed differ) or measured the same cell. */
 bb_status bb_results_join(bb_results *a, const bb_results *b);
-/* Ends joining once all shards are there: the document is a whole run then. */
+/* Ends joining once all shards are there: the results are of a whole run then. */
 void bb_results_end_join(bb_results *results);
 
 #endif

@@ -3,53 +3,33 @@
  */
 #include "framework/record/record_private.h"
 
-#include <cjson/cJSON.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static bb_status no_memory(void)
-{
-    return bb_fail(BB_FAILED, "joining shards: no memory");
-}
-
-static cJSON *copy_to(cJSON *array, const cJSON *item)
-{
-    cJSON *copy = cJSON_Duplicate(item, 1);
-    if (copy != NULL && cJSON_AddItemToArray(array, copy))
-        return copy;
-    cJSON_Delete(copy);
-    return NULL;
-}
-
 /* ---- whether they are shards of one run ---- */
 
-static bb_status check_contexts(const cJSON *a, const cJSON *b)
+static bb_status check_contexts(const bb_entry *a, const bb_entry *b)
 {
     static const bb_field_id alike[] = {
         BB_F_CONTEXT_REVISION, BB_F_CONTEXT_VERSION, BB_F_CONTEXT_CPU,
         BB_F_CONTEXT_DEVICE,   BB_F_CONTEXT_DRIVER,  BB_F_CONTEXT_FLAGS,
         BB_F_CONTEXT_KERNELS,  BB_F_CONTEXT_SEED,    BB_F_CONTEXT_EMBREE};
-    for (size_t i = 0; i < sizeof alike / sizeof alike[0]; i++) {
-        const cJSON *x = bb_get(a, alike[i]), *y = bb_get(b, alike[i]);
-        if ((x == NULL || cJSON_IsNull(x)) && (y == NULL || cJSON_IsNull(y)))
-            continue;
-        if (!cJSON_Compare(x, y, 1))
+    for (size_t i = 0; i < sizeof alike / sizeof alike[0]; i++)
+        if (!bb_same_text(a, b, alike[i]))
             return bb_fail(BB_INVALID,
                            "shards of one run have the same %s, these have not (%.100s, %.100s): "
                            "bvhbench report makes one report of several runs",
-                           bb_fields[alike[i]].name, cJSON_IsString(x) ? x->valuestring : "?",
-                           cJSON_IsString(y) ? y->valuestring : "?");
-    }
+                           bb_fields[alike[i]].name, bb_get_text(a, alike[i]),
+                           bb_get_text(b, alike[i]));
     return BB_OK;
 }
 
 /* Checks that both shards are of the same request: else their parts would not make up the whole. */
-static bb_status check_requests(const cJSON *a, const cJSON *b)
+static bb_status check_requests(const bb_entry *a, const bb_entry *b)
 {
-    const char *x = bb_get_text(a, BB_F_CONTEXT_SHARD_OF),
-               *y = bb_get_text(b, BB_F_CONTEXT_SHARD_OF);
-    if (strcmp(x, y) == 0)
+    if (bb_same_text(a, b, BB_F_CONTEXT_SHARD_OF))
         return BB_OK;
     return bb_fail(BB_INVALID, "shards of one run are made with the same options, these are not "
                                "(see \"command\" in the files): run them alike but for --shard and "
@@ -58,10 +38,9 @@ static bb_status check_requests(const cJSON *a, const cJSON *b)
 
 static bb_status check_scenes(const bb_results *a, const bb_results *b)
 {
-    const cJSON *scene;
-    cJSON_ArrayForEach(scene, bb_results_section(b, BB_SCENES))
+    bb_each(scene, bb_results_section(b, BB_SCENES))
     {
-        const cJSON *known = bb_results_scene(a, bb_get_text(scene, BB_F_SCENE_NAME));
+        const bb_entry *known = bb_results_scene(a, bb_get_text(scene, BB_F_SCENE_NAME));
         if (known != NULL && !bb_same_text(known, scene, BB_F_SCENE_HASH))
             return bb_fail(BB_INVALID, "scene %s has other geometry in another shard",
                            bb_get_text(scene, BB_F_SCENE_NAME));
@@ -69,49 +48,38 @@ static bb_status check_scenes(const bb_results *a, const bb_results *b)
     return BB_OK;
 }
 
-static int by_text(const void *a, const void *b)
+/* Returns the entry of the same cell in `results`; NULL: there is none. */
+static const bb_entry *same_cell(const bb_results *results, const bb_entry *entry)
 {
-    return strcmp(*(const char *const *)a, *(const char *const *)b);
+    return bb_results_find(results, bb_table_cell(entry->table, entry->row));
 }
 
-/* Returns the keys of all traces, sorted; from malloc. */
-static const char **keys_of(const bb_results *results, size_t *count)
+static bb_status check_cells(const bb_results *a, const bb_results *b)
 {
-    const cJSON *traces = bb_results_section(results, BB_TRACES), *trace;
-    const char **keys = malloc(((size_t)cJSON_GetArraySize(traces) + 1) * sizeof *keys);
-    *count = 0;
-    cJSON_ArrayForEach(trace, traces)
+    bb_each(trace, bb_results_section(b, BB_TRACES))
     {
-        if (keys != NULL)
-            keys[(*count)++] = bb_get_text(trace, BB_F_TRACE_CELL);
+        if (same_cell(a, trace) != NULL)
+            return bb_fail(BB_INVALID,
+                           "cell %.400s is in two of the files: they are no shards of one run",
+                           bb_get_text(trace, BB_F_TRACE_CELL));
     }
-    if (keys != NULL)
-        qsort(keys, *count, sizeof *keys, by_text);
-    return keys;
-}
-
-static bb_status check_traces(const bb_results *a, const bb_results *b)
-{
-    size_t count;
-    const char **keys = keys_of(a, &count);
-    bb_status status = keys != NULL ? BB_OK : no_memory();
-    const cJSON *trace;
-    cJSON_ArrayForEach(trace, bb_results_section(b, BB_TRACES))
+    bb_each(build, bb_results_section(b, BB_BUILDS))
     {
-        const char *key = bb_get_text(trace, BB_F_TRACE_CELL);
-        if (status == BB_OK && bsearch(&key, keys, count, sizeof *keys, by_text) != NULL)
-            status =
-                bb_fail(BB_INVALID,
-                        "cell %.400s is in two of the files: they are no shards of one run", key);
+        const bb_entry *known = same_cell(a, build);
+        if (known != NULL && !bb_get_true(build, BB_F_BUILD_UNMEASURED) &&
+            !bb_get_true(known, BB_F_BUILD_UNMEASURED))
+            return bb_fail(BB_INVALID,
+                           "build %.400s was measured in two of the files: they are no shards of "
+                           "one run",
+                           bb_get_text(build, BB_F_BUILD_CELL));
     }
-    free(keys);
-    return status;
+    return BB_OK;
 }
 
 /* ---- builds ---- */
 
 /* Returns whether both builds gave the same tree: not all builders are deterministic. */
-static bool same_tree(const cJSON *a, const cJSON *b)
+static bool same_tree(const bb_entry *a, const bb_entry *b)
 {
     static const bb_field_id shape[] = {BB_F_TREE_NODES, BB_F_TREE_LEAVES, BB_F_TREE_REFS,
                                         BB_F_TREE_DEPTH};
@@ -125,152 +93,132 @@ static bool same_tree(const cJSON *a, const cJSON *b)
     return true;
 }
 
-static cJSON *find_build(const bb_results *results, const cJSON *like)
+/* ---- targets ---- */
+
+/* Rows of one of the shards, of which the other shard is `other`. */
+typedef struct joining {
+    const bb_results *other;
+    bool is_first; /* of two builds that nobody measured, the first stays */
+    char run[16];  /* of builds with another tree than the one that stays */
+} joining;
+
+/* What becomes of a build. */
+enum fate { STAYS, GOES, GETS_RUN };
+
+static enum fate fate_of(const joining *j, const bb_entry *build)
 {
-    cJSON *build;
-    const char *key = bb_get_text(like, BB_F_BUILD_CELL);
-    cJSON_ArrayForEach(build, bb_results_section(results, BB_BUILDS))
-    {
-        if (key[0] != '\0' && strcmp(bb_get_text(build, BB_F_BUILD_CELL), key) == 0 &&
-            same_tree(build, like))
-            return build;
-    }
-    return NULL;
+    const bb_entry *known = same_cell(j->other, build);
+    const bool measured = !bb_get_true(build, BB_F_BUILD_UNMEASURED);
+    if (known == NULL || measured || (j->is_first && bb_get_true(known, BB_F_BUILD_UNMEASURED)))
+        return STAYS;
+    return same_tree(build, known) ? GOES : GETS_RUN;
 }
 
-/* Joins a build. *id is its id in `a`. */
-static bb_status join_build(bb_results *a, const cJSON *build, double *id)
+static bool aim(void *user, const bb_results *to, const bb_results *from, uint32_t row,
+                bb_target *target)
 {
-    cJSON *known = find_build(a, build);
-    cJSON *builds = cJSON_GetObjectItemCaseSensitive(a->root, "builds");
-    const bool unmeasured = bb_get_true(build, BB_F_BUILD_UNMEASURED);
-    if (known != NULL && !unmeasured && !bb_get_true(known, BB_F_BUILD_UNMEASURED))
-        return bb_fail(BB_INVALID,
-                       "build %.400s was measured in two of the files: they are no shards of one "
-                       "run",
-                       bb_get_text(build, BB_F_BUILD_CELL));
-    *id = known != NULL ? bb_get_number(known, BB_F_BUILD_ID) : bb_results_next_build(a);
-    if (known != NULL && unmeasured)
-        return BB_OK;
-    cJSON *copy = cJSON_Duplicate(build, 1);
-    if (copy == NULL)
-        return no_memory();
-    cJSON_SetNumberHelper(cJSON_GetObjectItemCaseSensitive(copy, bb_fields[BB_F_BUILD_ID].name),
-                          *id);
-    if (known != NULL ? cJSON_ReplaceItemViaPointer(builds, known, copy)
-                      : cJSON_AddItemToArray(builds, copy))
-        return BB_OK;
-    cJSON_Delete(copy);
-    return no_memory();
+    const joining *j = user;
+    const bb_cell cell = target->cell;
+    const char *const *names = cell.names;
+    if (names[BB_SCENE] == NULL || names[BB_BUILDER] == NULL)
+        return bb_results_find(to, cell) == NULL; /* of both: that of the first */
+    const char *run = target->tree_run != NULL ? target->tree_run : names[BB_RUN];
+    const bb_entry *build = bb_results_find(
+        from,
+        (bb_cell){
+            {[BB_RUN] = run, [BB_SCENE] = names[BB_SCENE], [BB_BUILDER] = names[BB_BUILDER]}});
+    const enum fate fate = fate_of(j, build);
+    (void)row;
+    if (names[BB_QUESTION] != NULL) {
+        target->tree_run = fate == GETS_RUN ? j->run : target->tree_run;
+        return true;
+    }
+    if (fate == GETS_RUN)
+        target->cell.names[BB_RUN] = j->run;
+    return fate != GOES;
 }
 
-static bb_status join_builds_and_traces(bb_results *a, const bb_results *b)
+/* A trace stands behind its build, which may be of the other shard: builds are copied first. */
+static bool aim_all_but_traces(void *user, const bb_results *to, const bb_results *from,
+                               uint32_t row, bb_target *target)
 {
-    const cJSON *builds = bb_results_section(b, BB_BUILDS), *item;
-    cJSON *to = cJSON_GetObjectItemCaseSensitive(a->root, "traces");
-    uint32_t most = bb_results_next_build(b);
-    double *ids = calloc((size_t)most + 1, sizeof *ids);
-    bb_status status = ids != NULL ? BB_OK : no_memory();
-    cJSON_ArrayForEach(item, builds)
-    {
-        if (status == BB_OK)
-            status = join_build(a, item, &ids[(uint32_t)bb_get_number(item, BB_F_BUILD_ID)]);
-    }
-    cJSON_ArrayForEach(item, bb_results_section(b, BB_TRACES))
-    {
-        cJSON *copy = status == BB_OK ? copy_to(to, item) : NULL;
-        if (status == BB_OK && copy == NULL)
-            status = no_memory();
-        if (copy != NULL)
-            cJSON_SetNumberHelper(
-                cJSON_GetObjectItemCaseSensitive(copy, bb_fields[BB_F_TRACE_BUILD].name),
-                ids[(uint32_t)bb_get_number(item, BB_F_TRACE_BUILD)]);
-    }
-    free(ids);
-    return status;
+    const char *const *names = target->cell.names;
+    const bool trace = names[BB_QUESTION] != NULL && names[BB_BUILDER] != NULL;
+    return !trace && aim(user, to, from, row, target);
 }
 
-/* ---- the rest ---- */
-
-static bb_status join_lists(bb_results *a, const bb_results *b)
+static bool aim_traces(void *user, const bb_results *to, const bb_results *from, uint32_t row,
+                       bb_target *target)
 {
-    static const char *const lists[] = {"skipped", "pictures", "scenes"};
-    for (size_t i = 0; i < sizeof lists / sizeof lists[0]; i++) {
-        cJSON *to = cJSON_GetObjectItemCaseSensitive(a->root, lists[i]);
-        const cJSON *item;
-        cJSON_ArrayForEach(item, bb_results_member(b, lists[i]))
-        {
-            bool known = i == 2 && bb_results_scene(a, bb_get_text(item, BB_F_SCENE_NAME)) != NULL;
-            if (!known && copy_to(to, item) == NULL)
-                return no_memory();
-        }
-    }
+    const char *const *names = target->cell.names;
+    const bool trace = names[BB_QUESTION] != NULL && names[BB_BUILDER] != NULL;
+    return trace && aim(user, to, from, row, target);
+}
+
+/* ---- joining ---- */
+
+/* Adds "2/8 on HOST, DATE" to the list of shards in `context`. */
+static bb_status note_shard(bb_entry *context, const bb_entry *of)
+{
+    char *text;
+    const char *known = bb_get_text(context, BB_F_CONTEXT_SHARDS);
+    if (asprintf(&text, "%s%s%s on %s, %s", known, known[0] != '\0' ? "; " : "",
+                 bb_get_text(of, BB_F_CONTEXT_SHARD), bb_get_text(of, BB_F_CONTEXT_HOST),
+                 bb_get_text(of, BB_F_CONTEXT_DATE)) < 0)
+        return bb_fail(BB_REFUSED, "no memory for results");
+    bb_put_text(context, BB_F_CONTEXT_SHARDS, text);
+    free(text);
     return BB_OK;
 }
 
-static bb_status join_times(bb_results *a, const bb_results *b)
+static bb_status join_contexts(bb_entry *context, const bb_entry *other)
 {
-    const cJSON *x = cJSON_GetObjectItemCaseSensitive(a->root, "time_ms");
-    const cJSON *y = cJSON_GetObjectItemCaseSensitive(b->root, "time_ms"), *step;
-    cJSON_ArrayForEach(step, bb_results_section(b, BB_STEPS))
-    {
-        if (cJSON_IsNumber(step))
-            BB_TRY(bb_results_add_step(a, step->string, step->valuedouble));
-    }
-    if (!cJSON_IsObject(x) || !cJSON_IsObject(y)) {
-        cJSON_DeleteItemFromObjectCaseSensitive(a->root, "time_ms");
-        return BB_OK;
-    }
-    return bb_results_set_total(a, bb_json_number(x, "build") + bb_json_number(y, "build"),
-                                bb_json_number(x, "trace") + bb_json_number(y, "trace"),
-                                bb_json_number(x, "total") + bb_json_number(y, "total"));
+    const double others = bb_get_number(other, BB_F_CONTEXT_OTHERS);
+    const double own = bb_get_number(context, BB_F_CONTEXT_OTHERS);
+    if (bb_get_text(context, BB_F_CONTEXT_SHARDS)[0] == '\0')
+        BB_TRY(note_shard(context, context));
+    BB_TRY(note_shard(context, other));
+    if (bb_get_true(other, BB_F_CONTEXT_INTERRUPTED))
+        bb_put_flag(context, BB_F_CONTEXT_INTERRUPTED, true);
+    if (others > own)
+        bb_put_number(context, BB_F_CONTEXT_OTHERS, others);
+    return BB_OK;
 }
 
-/* Adds "2/8 on HOST, DATE" to the list of shards in `context`. */
-static bb_status note_shard(cJSON *context, const cJSON *of)
+static bb_status join_rows(bb_results *sum, const bb_results *a, const bb_results *b)
 {
-    char text[400];
-    const char *name = bb_fields[BB_F_CONTEXT_SHARDS].name;
-    cJSON *list = cJSON_GetObjectItemCaseSensitive(context, name);
-    if (!cJSON_IsArray(list)) {
-        cJSON_DeleteItemFromObjectCaseSensitive(context, name);
-        list = cJSON_AddArrayToObject(context, name);
-    }
-    snprintf(text, sizeof text, "%.20s on %.200s, %.32s", bb_get_text(of, BB_F_CONTEXT_SHARD),
-             bb_get_text(of, BB_F_CONTEXT_HOST), bb_get_text(of, BB_F_CONTEXT_DATE));
-    cJSON *item = list != NULL ? cJSON_CreateString(text) : NULL;
-    if (item != NULL && cJSON_AddItemToArray(list, item))
-        return BB_OK;
-    cJSON_Delete(item);
-    return no_memory();
+    const uint32_t last[2] = {bb_results_new_run(a), bb_results_new_run(b)};
+    joining of_a = {.other = b, .is_first = true}, of_b = {.other = a};
+    bb_run_name(last[last[1] > last[0]], of_a.run);
+    bb_run_name(last[last[1] > last[0]], of_b.run);
+    BB_TRY(bb_results_copy(sum, a, aim_all_but_traces, &of_a));
+    BB_TRY(bb_results_copy(sum, b, aim_all_but_traces, &of_b));
+    BB_TRY(bb_results_copy(sum, a, aim_traces, &of_a));
+    BB_TRY(bb_results_copy(sum, b, aim_traces, &of_b));
+    BB_TRY(join_contexts(sum->context, b->context));
+    BB_TRY(bb_results_add_steps(sum, a));
+    BB_TRY(bb_results_add_steps(sum, b));
+    return bb_results_add_totals(sum, a, b);
 }
 
 bb_status bb_results_join(bb_results *a, const bb_results *b)
 {
-    cJSON *context = cJSON_GetObjectItemCaseSensitive(a->root, "context");
-    const cJSON *other = bb_results_context(b);
-    const double others[] = {bb_get_number(context, BB_F_CONTEXT_OTHERS),
-                             bb_get_number(other, BB_F_CONTEXT_OTHERS)};
-    BB_TRY(check_contexts(context, other));
-    BB_TRY(check_requests(context, other));
+    bb_results *sum;
+    BB_TRY(check_contexts(a->context, b->context));
+    BB_TRY(check_requests(a->context, b->context));
     BB_TRY(check_scenes(a, b));
-    BB_TRY(check_traces(a, b));
-    bb_results_clear_predictions(a);
-    if (bb_get(context, BB_F_CONTEXT_SHARDS) == NULL)
-        BB_TRY(note_shard(context, context));
-    BB_TRY(note_shard(context, other));
-    BB_TRY(join_lists(a, b));
-    BB_TRY(join_builds_and_traces(a, b));
-    if (bb_get_true(other, BB_F_CONTEXT_INTERRUPTED))
-        BB_TRY(bb_results_set_interrupted(a));
-    if (others[1] > others[0])
-        BB_TRY(bb_results_set_others(a, others[1]));
-    return join_times(a, b);
+    BB_TRY(check_cells(a, b));
+    BB_TRY(bb_results_make(&sum));
+    bb_status status = join_rows(sum, a, b);
+    if (status == BB_OK)
+        bb_results_replace(a, sum);
+    else
+        bb_results_destroy(sum);
+    return status;
 }
 
 void bb_results_end_join(bb_results *results)
 {
-    cJSON *context = cJSON_GetObjectItemCaseSensitive(results->root, "context");
-    cJSON_DeleteItemFromObjectCaseSensitive(context, bb_fields[BB_F_CONTEXT_SHARD].name);
-    cJSON_DeleteItemFromObjectCaseSensitive(context, bb_fields[BB_F_CONTEXT_SHARD_OF].name);
+    bb_put_text(results->context, BB_F_CONTEXT_SHARD, "");
+    bb_put_text(results->context, BB_F_CONTEXT_SHARD_OF, "");
 }

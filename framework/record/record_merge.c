@@ -1,25 +1,76 @@
-/* Merges result documents, so that several runs make one report. */
+/* Puts results together: rows are copied, and get the number of their run. */
 #include "framework/record/record_private.h"
 
-#include <cjson/cJSON.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
-static bb_status no_memory(void)
+/* ---- for merging and joining ---- */
+
+/* Predictions follow from all rows, and steps add up. */
+static bool is_computed(const bb_results *from, uint32_t row)
 {
-    return bb_fail(BB_FAILED, "merging results: no memory");
+    const bb_entry *entry = from->entries[row];
+    bb_each(prediction, bb_results_section(from, BB_PREDICTIONS))
+    {
+        if (prediction == entry)
+            return true;
+    }
+    return bb_get_number(entry, BB_F_STEP_MS) >= 0 || bb_get_number(entry, BB_F_STEP_TIME) >= 0 ||
+           bb_get_number(entry, BB_F_STEP_TIME) < 0;
 }
+
+bb_status bb_results_copy(bb_results *to, const bb_results *from, bb_target_fn *aim, void *user)
+{
+    for (uint32_t row = 0; row < bb_table_row_count(from->table); row++) {
+        const char *tree_run = bb_get_text(from->entries[row], BB_F_TRACE_TREE_RUN);
+        bb_target at = {bb_table_cell(from->table, row), tree_run[0] != '\0' ? tree_run : NULL};
+        if (is_computed(from, row) || !aim(user, to, from, row, &at))
+            continue;
+        const uint32_t copy = bb_table_row(to->table, at.cell);
+        bb_table_copy(to->table, copy, from->table, row);
+        if (at.tree_run != NULL)
+            bb_table_set_text(to->table, copy, bb_field_column(BB_F_TRACE_TREE_RUN), at.tree_run);
+        BB_TRY(bb_table_status(to->table));
+        BB_TRY(bb_results_enter(to, copy));
+    }
+    return BB_OK;
+}
+
+bb_status bb_results_add_steps(bb_results *to, const bb_results *from)
+{
+    bb_each(step, bb_results_section(from, BB_STEPS))
+    {
+        const double ms = bb_get_number(step, BB_F_STEP_MS);
+        if (isfinite(ms))
+            BB_TRY(bb_results_add_step(to, bb_part_name(step), ms));
+    }
+    return BB_OK;
+}
+
+static double sum_of(const bb_results *a, const bb_results *b, const char *part)
+{
+    return bb_results_time_ms(a, part) + bb_results_time_ms(b, part);
+}
+
+bb_status bb_results_add_totals(bb_results *to, const bb_results *a, const bb_results *b)
+{
+    return bb_results_set_total(to, sum_of(a, b, "build"), sum_of(a, b, "trace"),
+                                sum_of(a, b, "total"));
+}
+
+/* ---- merging ---- */
 
 /* Checks that scenes of one name have one geometry: else speeds on different geometry would be
  * compared. */
 static bb_status check_scenes(const bb_results *a, const bb_results *b)
 {
-    const cJSON *scene;
-    cJSON_ArrayForEach(scene, cJSON_GetObjectItemCaseSensitive(b->root, "scenes"))
+    bb_each(scene, bb_results_section(b, BB_SCENES))
     {
         const char *name = bb_get_text(scene, BB_F_SCENE_NAME);
-        const cJSON *known = bb_results_scene(a, name);
-        if (known != NULL &&
-            strcmp(bb_get_text(known, BB_F_SCENE_HASH), bb_get_text(scene, BB_F_SCENE_HASH)) != 0)
+        const bb_entry *known = bb_results_scene(a, name);
+        if (known != NULL && !bb_same_text(known, scene, BB_F_SCENE_HASH))
             return bb_fail(BB_INVALID,
                            "scene %s has other geometry in the second result file (%s, not %s): "
                            "make separate reports",
@@ -33,7 +84,7 @@ static bb_status check_scenes(const bb_results *a, const bb_results *b)
  * tracer's answers have no device. */
 static bb_status check_devices(const bb_results *a, const bb_results *b)
 {
-    const cJSON *one = bb_results_context(a), *other = bb_results_context(b);
+    const bb_entry *one = bb_results_context(a), *other = bb_results_context(b);
     const char *device = bb_get_text(one, BB_F_CONTEXT_DEVICE);
     const char *another = bb_get_text(other, BB_F_CONTEXT_DEVICE);
     return device[0] == '\0' || another[0] == '\0' ||
@@ -47,90 +98,31 @@ static bb_status check_devices(const bb_results *a, const bb_results *b)
                      another, device);
 }
 
-/* Appends a copy of `item` to `array`; NULL without memory. */
-static cJSON *copy_to(cJSON *array, const cJSON *item)
+typedef struct numbering {
+    uint32_t first; /* number of the run that is the first in b */
+    char run[16], tree_run[16];
+} numbering;
+
+static const char *shift(uint32_t first, const char *run, char text[16])
 {
-    cJSON *copy = cJSON_Duplicate(item, 1);
-    if (copy != NULL && cJSON_AddItemToArray(array, copy))
-        return copy;
-    cJSON_Delete(copy);
-    return NULL;
+    return bb_run_name(first + (run != NULL ? (uint32_t)strtoul(run, NULL, 10) : 0), text);
 }
 
-/* Copies all elements of b's array `section`. Adds `first_id` to the id in `id_name`, unless that
- * is NULL, and notes the run. */
-static bb_status copy_rows(bb_results *a, const bb_results *b, const char *section,
-                           const char *id_name, double first_id, double first_run)
+/* A scene of both has its rows once. All others are of further runs. */
+static bool aim(void *user, const bb_results *to, const bb_results *from, uint32_t row,
+                bb_target *target)
 {
-    cJSON *to = cJSON_GetObjectItemCaseSensitive(a->root, section);
-    const cJSON *from = cJSON_GetObjectItemCaseSensitive(b->root, section);
-    const cJSON *row;
-    cJSON_ArrayForEach(row, from)
-    {
-        cJSON *copy = copy_to(to, row);
-        if (copy == NULL)
-            return no_memory();
-        if (id_name != NULL) {
-            cJSON *id = cJSON_GetObjectItemCaseSensitive(copy, id_name);
-            cJSON_SetNumberHelper(id, id->valuedouble + first_id);
-        }
-        const cJSON *run = cJSON_GetObjectItemCaseSensitive(row, "run");
-        double number = first_run + (cJSON_IsNumber(run) ? run->valuedouble : 0);
-        cJSON_DeleteItemFromObjectCaseSensitive(copy, "run");
-        if (cJSON_AddNumberToObject(copy, "run", number) == NULL)
-            return no_memory();
-    }
-    return BB_OK;
-}
-
-/* Copies all elements of b's array `section` unchanged. Either document may lack the array. */
-static bb_status copy_list(bb_results *a, const bb_results *b, const char *section)
-{
-    const cJSON *from = cJSON_GetObjectItemCaseSensitive(b->root, section), *item;
-    cJSON *to = cJSON_GetObjectItemCaseSensitive(a->root, section);
-    if (to == NULL && from != NULL)
-        to = cJSON_AddArrayToObject(a->root, section);
-    cJSON_ArrayForEach(item, from)
-    {
-        if (to == NULL || copy_to(to, item) == NULL)
-            return no_memory();
-    }
-    return from == NULL || to != NULL ? BB_OK : no_memory();
-}
-
-/* Adds b's contexts. *first_run is the number of the first. */
-static bb_status copy_contexts(bb_results *a, const bb_results *b, double *first_run)
-{
-    cJSON *merged = cJSON_GetObjectItemCaseSensitive(a->root, "merged");
-    if (merged == NULL)
-        merged = cJSON_AddArrayToObject(a->root, "merged");
-    if (merged == NULL)
-        return no_memory();
-    *first_run = cJSON_GetArraySize(merged) + 1;
-    if (copy_to(merged, cJSON_GetObjectItemCaseSensitive(b->root, "context")) == NULL)
-        return no_memory();
-    const cJSON *context;
-    cJSON_ArrayForEach(context, cJSON_GetObjectItemCaseSensitive(b->root, "merged"))
-    {
-        if (copy_to(merged, context) == NULL)
-            return no_memory();
-    }
-    return BB_OK;
-}
-
-/* Adds the times, after the steps. If a or b has no total, the result has none: it would be that of
- * the other alone. */
-static bb_status add_times(bb_results *a, const bb_results *b)
-{
-    const cJSON *first = cJSON_GetObjectItemCaseSensitive(a->root, "time_ms");
-    const cJSON *second = cJSON_GetObjectItemCaseSensitive(b->root, "time_ms");
-    if (!cJSON_IsObject(first) || !cJSON_IsObject(second)) {
-        cJSON_DeleteItemFromObjectCaseSensitive(a->root, "time_ms");
-        return BB_OK;
-    }
-    return bb_results_set_total(a, bb_json_number(first, "build") + bb_json_number(second, "build"),
-                                bb_json_number(first, "trace") + bb_json_number(second, "trace"),
-                                bb_json_number(first, "total") + bb_json_number(second, "total"));
+    numbering *n = user;
+    const char *const *names = target->cell.names;
+    (void)from;
+    (void)row;
+    if (names[BB_SCENE] != NULL && names[BB_BUILDER] == NULL && names[BB_QUESTION] == NULL &&
+        names[BB_FRAME] == NULL)
+        return bb_results_find(to, target->cell) == NULL;
+    target->cell.names[BB_RUN] = shift(n->first, names[BB_RUN], n->run);
+    if (target->tree_run != NULL)
+        target->tree_run = shift(n->first, target->tree_run, n->tree_run);
+    return true;
 }
 
 bb_status bb_results_merge(bb_results *a, const bb_results *b)
@@ -138,26 +130,8 @@ bb_status bb_results_merge(bb_results *a, const bb_results *b)
     BB_TRY(check_devices(a, b));
     BB_TRY(check_scenes(a, b));
     bb_results_clear_predictions(a);
-    double first_id = bb_results_next_build(a), first_run = 1;
-    BB_TRY(copy_contexts(a, b, &first_run));
-
-    cJSON *scenes = cJSON_GetObjectItemCaseSensitive(a->root, "scenes");
-    const cJSON *item;
-    cJSON_ArrayForEach(item, cJSON_GetObjectItemCaseSensitive(b->root, "scenes"))
-    {
-        if (bb_results_scene(a, bb_get_text(item, BB_F_SCENE_NAME)) == NULL &&
-            copy_to(scenes, item) == NULL)
-            return no_memory();
-    }
-    BB_TRY(copy_rows(a, b, "builds", "id", first_id, first_run));
-    BB_TRY(copy_rows(a, b, "traces", "build", first_id, first_run));
-    BB_TRY(copy_rows(a, b, "skipped", NULL, 0, first_run));
-    BB_TRY(copy_list(a, b, "pictures"));
-    BB_TRY(copy_list(a, b, "reproductions"));
-    cJSON_ArrayForEach(item, cJSON_GetObjectItemCaseSensitive(b->root, "steps_ms"))
-    {
-        if (cJSON_IsNumber(item))
-            BB_TRY(bb_results_add_step(a, item->string, item->valuedouble));
-    }
-    return add_times(a, b);
+    numbering n = {.first = bb_results_new_run(a)};
+    BB_TRY(bb_results_copy(a, b, aim, &n));
+    BB_TRY(bb_results_add_steps(a, b));
+    return bb_results_add_totals(a, a, b);
 }

@@ -1,82 +1,54 @@
-/* Puts members into the document: those that the table of fields describes, and helpers for the
- * others.
+/* Puts values into rows: those that the table of fields describes, and helpers for the others.
  *
- * A figure that was not measured is null, never 0. Hashes are strings of 16 hexadecimal digits,
+ * A figure that was not measured has no value, never 0. Hashes are texts of 16 hexadecimal digits,
  * since a JSON number does not hold 64 bits.
  */
 #include "framework/record/record_private.h"
 
-#include <cjson/cJSON.h>
 #include <math.h>
 #include <stdio.h>
 
-bool bb_put(cJSON *object, const char *name, cJSON *item)
+/* The column of a field in a table: some of the context are of bb_run_row(). */
+static const bb_column *column_in(const bb_table *table, bb_field_id field)
 {
-    if (item != NULL && cJSON_AddItemToObject(object, name, item))
-        return true;
-    cJSON_Delete(item);
-    return false;
+    const bb_column *known = bb_table_column_named(table, bb_fields[field].name);
+    return known != NULL ? known : bb_field_column(field);
 }
 
-bool bb_put_text(cJSON *object, const char *name, const char *text)
+void bb_put_number(bb_entry *entry, bb_field_id field, double value)
 {
-    return bb_put(object, name,
-                  text != NULL && text[0] != '\0' ? cJSON_CreateString(text) : cJSON_CreateNull());
+    if (entry != NULL)
+        bb_table_set_number(entry->table, entry->row, column_in(entry->table, field), value);
 }
 
-static cJSON *number(double value)
+void bb_put_text(bb_entry *entry, bb_field_id field, const char *value)
 {
-    return isfinite(value) ? cJSON_CreateNumber(value) : cJSON_CreateNull();
+    if (entry != NULL)
+        bb_table_set_text(entry->table, entry->row, column_in(entry->table, field), value);
 }
 
-bool bb_put_number(cJSON *object, const char *name, double value)
+void bb_put_rounds(bb_entry *entry, bb_field_id field, const bb_samples *samples)
 {
-    return bb_put(object, name, number(value));
+    if (entry != NULL)
+        bb_table_set_rounds(entry->table, entry->row, column_in(entry->table, field), samples);
 }
 
-bool bb_put_size(cJSON *object, const char *name, uint64_t value)
+void bb_put_flag(bb_entry *entry, bb_field_id field, bool value)
 {
-    return bb_put_number(object, name, value == 0 ? (double)NAN : (double)value);
+    bb_put_text(entry, field, value ? "yes" : "no");
 }
 
-static bool put_hash(cJSON *object, const char *name, uint64_t hash)
+static void put_hash(bb_entry *entry, bb_field_id field, uint64_t hash)
 {
     char text[17];
     snprintf(text, sizeof text, "%016llx", (unsigned long long)hash);
-    return bb_put_text(object, name, text);
+    bb_put_text(entry, field, text);
 }
 
-bool bb_put_numbers(cJSON *object, const char *name, const double *values, uint32_t count)
+/* 0: not known. */
+static void put_size(bb_entry *entry, bb_field_id field, uint64_t value)
 {
-    cJSON *array = cJSON_CreateArray();
-    for (uint32_t i = 0; array != NULL && i < count; i++) {
-        cJSON *item = number(values[i]);
-        if (item == NULL || !cJSON_AddItemToArray(array, item)) {
-            cJSON_Delete(item);
-            cJSON_Delete(array);
-            return false;
-        }
-    }
-    return bb_put(object, name, array);
-}
-
-bool bb_put_samples(cJSON *object, const char *name, const bb_samples *samples)
-{
-    return samples->count == 0 ? bb_put(object, name, cJSON_CreateNull())
-                               : bb_put_numbers(object, name, samples->values, samples->count);
-}
-
-bool bb_put_named(cJSON *object, const char *name, const bb_named_ms *entries, uint32_t count)
-{
-    cJSON *inner = cJSON_CreateObject();
-    bool ok = inner != NULL;
-    for (uint32_t i = 0; ok && i < count; i++)
-        ok = bb_put_number(inner, entries[i].name, entries[i].ms);
-    if (!ok) {
-        cJSON_Delete(inner);
-        return false;
-    }
-    return bb_put(object, name, inner);
+    bb_put_number(entry, field, value > 0 ? (double)value : (double)NAN);
 }
 
 /* ---- by the table ---- */
@@ -84,9 +56,7 @@ bool bb_put_named(cJSON *object, const char *name, const bb_named_ms *entries, u
 typedef enum kind {
     NOTHING, /* another field's function, or a later step, puts it */
     FUNCTION,
-    CHARS,        /* char[] */
-    CHARS_IF_ANY, /* absent if empty */
-    STRING,       /* const char *, may be NULL */
+    CHARS, /* char[] */
     DOUBLE,
     MEASURED, /* double; absent figures of what was refused or failed */
     FLOAT,
@@ -94,12 +64,10 @@ typedef enum kind {
     U64,
     SIZE,   /* uint32_t; 0: nobody filled it in */
     SIZE64, /* uint64_t, likewise */
-    BOOL,
-    TRUE_IF, /* bool; absent if false */
-    HASH,    /* uint64_t */
-    STATUS,  /* bb_status, as a word */
-    SAMPLES, /* bb_samples: all */
-    MEDIAN,  /* bb_samples: their median */
+    FLAG,
+    HASH,   /* uint64_t */
+    STATUS, /* bb_status, as a word */
+    SAMPLES,
 } kind;
 
 typedef struct writer {
@@ -117,7 +85,6 @@ typedef struct writer {
 #define B(kind, member) AT(bb_build_record, kind, member)
 #define T(kind, member) AT(bb_trace_record, kind, member)
 #define A(kind, member) AT(bb_trace_record, kind, accuracy.member)
-#define N(kind, member) AT(bb_note_record, kind, member)
 #define F(kind, member) AT(bb_prediction_record, kind, member)
 #define BY(function)                                                                               \
     {                                                                                              \
@@ -129,7 +96,7 @@ typedef struct writer {
     }
 
 static const writer writers[BB_FIELDS] = {
-#define FIELD(id, part, name, unit, types, writer, format, heading, help) [BB_F_##id] = writer,
+#define FIELD(id, part, name, unit, kind, writer, format, heading, help) [BB_F_##id] = writer,
 #include "framework/record/fields.h"
 };
 
@@ -139,68 +106,61 @@ static bb_status status_of(bb_field_part part, const void *record)
                                : ((const bb_trace_record *)record)->status;
 }
 
-static bool put_field(cJSON *object, bb_field_id id, const void *record, const void *extra)
+static void put_field(const bb_put *p, bb_field_id id)
 {
-    const char *name = bb_fields[id].name;
-    const void *at = (const char *)record + writers[id].offset;
+    bb_entry *entry = p->entry;
+    const void *at = (const char *)p->record + writers[id].offset;
     switch (writers[id].kind) {
     case NOTHING:
-        return true;
+        return;
     case FUNCTION:
-        return writers[id].function(object, name, record, extra);
+        writers[id].function(p);
+        return;
     case CHARS:
-        return bb_put_text(object, name, at);
-    case CHARS_IF_ANY:
-        return *(const char *)at == '\0' || bb_put_text(object, name, at);
-    case STRING:
-        return bb_put_text(object, name, *(const char *const *)at);
+        bb_put_text(entry, id, at);
+        return;
     case DOUBLE:
-        return bb_put_number(object, name, *(const double *)at);
+        bb_put_number(entry, id, *(const double *)at);
+        return;
     case MEASURED:
-        return bb_put_number(object, name,
-                             status_of(bb_fields[id].part, record) == BB_OK ? *(const double *)at
-                                                                            : (double)NAN);
+        if (status_of(bb_fields[id].part, p->record) == BB_OK)
+            bb_put_number(entry, id, *(const double *)at);
+        return;
     case FLOAT:
-        return bb_put_number(object, name, (double)*(const float *)at);
+        bb_put_number(entry, id, (double)*(const float *)at);
+        return;
     case U32:
-        return bb_put_number(object, name, *(const uint32_t *)at);
+        bb_put_number(entry, id, *(const uint32_t *)at);
+        return;
     case U64:
-        return bb_put_number(object, name,
-                             *(const uint64_t *)at == BB_UNCOUNTED ? (double)NAN
-                                                                   : (double)*(const uint64_t *)at);
+        if (*(const uint64_t *)at != BB_UNCOUNTED)
+            bb_put_number(entry, id, (double)*(const uint64_t *)at);
+        return;
     case SIZE:
-        return bb_put_size(object, name, *(const uint32_t *)at);
+        put_size(entry, id, *(const uint32_t *)at);
+        return;
     case SIZE64:
-        return bb_put_size(object, name, *(const uint64_t *)at);
-    case BOOL:
-        return bb_put(object, name, cJSON_CreateBool(*(const bool *)at));
-    case TRUE_IF:
-        return !*(const bool *)at || bb_put(object, name, cJSON_CreateTrue());
+        put_size(entry, id, *(const uint64_t *)at);
+        return;
+    case FLAG:
+        if (*(const bool *)at)
+            bb_put_flag(entry, id, true);
+        return;
     case HASH:
-        return put_hash(object, name, *(const uint64_t *)at);
+        put_hash(entry, id, *(const uint64_t *)at);
+        return;
     case STATUS:
-        return bb_put_text(object, name, bb_status_word(*(const bb_status *)at));
+        bb_put_text(entry, id, bb_status_word(*(const bb_status *)at));
+        return;
     case SAMPLES:
-        return bb_put_samples(object, name, at);
-    case MEDIAN:
-        return bb_put_number(object, name, bb_samples_median(at));
+        bb_put_rounds(entry, id, at);
+        return;
     }
-    return false;
 }
 
-bool bb_put_part(cJSON *object, bb_field_part part, const void *record, const void *extra)
+void bb_put_part(const bb_put *p, bb_field_part part)
 {
     for (size_t id = 0; id < BB_FIELDS; id++)
-        if (bb_fields[id].part == part && !put_field(object, (bb_field_id)id, record, extra))
-            return false;
-    return true;
-}
-
-bool bb_put_inner(cJSON *entry, const char *name, bb_field_part part, const void *record)
-{
-    cJSON *inner = cJSON_CreateObject();
-    if (inner != NULL && bb_put_part(inner, part, record, NULL))
-        return bb_put(entry, name, inner);
-    cJSON_Delete(inner);
-    return false;
+        if (bb_fields[id].part == part)
+            put_field(p, (bb_field_id)id);
 }

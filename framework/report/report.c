@@ -11,7 +11,6 @@
 #include "framework/summary/prediction.h"
 #include "framework/summary/summary.h"
 
-#include <cjson/cJSON.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -70,29 +69,31 @@ static bool picture_source(const char *folder, const char *path, bb_page_text *s
     return *missing == NULL && !source->failed;
 }
 
-/* The picture records with "src" or "missing" added; NULL if there is no memory. */
-static char *pictures_json(const cJSON *root, const char *folder)
+/* The pictures as data URIs, or why there are none; NULL if there is no memory. */
+static char *pictures_json(const bb_results *results, const char *folder)
 {
-    cJSON *list = cJSON_Duplicate(cJSON_GetObjectItemCaseSensitive(root, "pictures"), 1);
-    bool ok = list != NULL;
-    cJSON *picture;
-    cJSON_ArrayForEach(picture, list)
+    static const bb_field_id fields[] = {BB_F_PICTURE_SCENE, BB_F_PICTURE_VIEW,
+                                         BB_F_PICTURE_CAPTION, BB_F_PICTURE_PATH};
+    bb_json json = {0};
+    bb_json_array(&json, NULL);
+    bb_each(picture, bb_results_section(results, BB_PICTURES))
     {
         bb_page_text source = {0};
-        const char *missing;
-        const cJSON *own = cJSON_GetObjectItemCaseSensitive(picture, BB_PICTURE_FOLDER);
-        const char *from = folder != NULL ? folder : cJSON_GetStringValue(own);
-        bool found = picture_source(from != NULL ? from : ".",
-                                    bb_get_text(picture, BB_F_PICTURE_PATH), &source, &missing);
-        const char *name = found ? "src" : "missing";
-        cJSON_DeleteItemFromObjectCaseSensitive(picture, "src");
-        ok = ok && !source.failed &&
-             cJSON_AddStringToObject(picture, name, found ? source.data : missing) != NULL;
+        const char *missing = NULL;
+        const char *own = bb_get_text(picture, BB_F_PICTURE_FOLDER);
+        const char *from = folder != NULL ? folder : own[0] != '\0' ? own : ".";
+        bool found =
+            picture_source(from, bb_get_text(picture, BB_F_PICTURE_PATH), &source, &missing);
+        bb_json_object(&json, NULL);
+        for (int i = 0; i < 4; i++)
+            bb_json_add_text(&json, bb_fields[fields[i]].name, bb_get_text(picture, fields[i]));
+        bb_json_add_text(&json, found ? "src" : "missing", found ? source.data : missing);
+        bb_json_end_object(&json);
+        json.lost = json.lost || source.failed;
         free(source.data);
     }
-    char *json = ok ? bb_json_print(list, false) : NULL;
-    cJSON_Delete(list);
-    return json;
+    bb_json_end_array(&json);
+    return bb_json_take(&json);
 }
 
 /* The cells of the charts; NULL after bb_fail(). */
@@ -113,8 +114,8 @@ bb_status bb_report_html(bb_results *results, const char *picture_folder, const 
     bb_page_text page = {0};
     BB_TRY(bb_predictions_record(results));
     bb_status status;
-    char *records = bb_results_print(results, false);
-    char *pictures = pictures_json(bb_results_json(results), picture_folder);
+    char *records = bb_results_json(results);
+    char *pictures = pictures_json(results, picture_folder);
     char *charts = charts_json(results);
     char *schema = bb_schema_json();
     char *summary = bb_summary_json(results);
@@ -138,10 +139,10 @@ bb_status bb_report_html(bb_results *results, const char *picture_folder, const 
         status = bb_file_write(path, page.data, page.size, "report");
 out:
     free(page.data);
-    cJSON_free(schema);
-    cJSON_free(summary);
-    cJSON_free(charts);
-    cJSON_free(pictures);
-    cJSON_free(records);
+    free(schema);
+    free(summary);
+    free(charts);
+    free(pictures);
+    free(records);
     return status;
 }

@@ -21,11 +21,9 @@ bb_status bb_report_benchmark(const bb_results *results, FILE *out);
 /* Text table of builds and traces, speeds beside wrong-answer rates, wrong cells marked. */
 bb_status bb_report_table(const bb_results *results, FILE *out);
 
-/* Where the report looks for a picture of a document that was read, which may be one of several. */
-#define BB_PICTURE_FOLDER "folder"
-
 /* Writes one self-contained HTML file (charts, sortable tables, pictures embedded from below
- * `picture_folder`; if that is NULL, from below the BB_PICTURE_FOLDER of each). */
+ * `picture_folder`; if that is NULL, from below the folder of each, bb_results_locate_pictures()).
+ */
 bb_status bb_report_html(bb_results *results, const char *picture_folder, const char *path);
 
 /* Whether gnuplot, which draws the charts, is among the user's programs. */

@@ -84,7 +84,7 @@ static void put_entry(bb_json *json, const bb_entry *entry, bool trace, uint32_t
     bb_samples ms, cpu;
     if (!bb_is_ok(entry) || !bb_get_samples(entry, trace ? BB_F_TRACE_MS : BB_F_BUILD_MS, &ms))
         return;
-    if (!bb_get_samples(entry, trace ? BB_F_TRACE_CPU_SAMPLES : BB_F_BUILD_CPU_SAMPLES, &cpu) ||
+    if (!bb_get_samples(entry, trace ? BB_F_TRACE_CPU_MS : BB_F_BUILD_CPU_SAMPLES, &cpu) ||
         cpu.count != ms.count)
         cpu = ms;
     const char *key = bb_get_text(entry, trace ? BB_F_TRACE_CELL : BB_F_BUILD_CELL);

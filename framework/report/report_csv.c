@@ -4,7 +4,6 @@
 
 #include "framework/report/columns.h"
 
-#include <cjson/cJSON.h>
 #include <math.h>
 #include <string.h>
 
@@ -16,9 +15,9 @@ enum { OF_BUILD = sizeof of_build / sizeof of_build[0] };
 
 static bool is_column(const bb_field *field)
 {
-    const unsigned lists = BB_JSON_OBJECT | BB_JSON_NUMBERS | BB_JSON_TEXTS | BB_JSON_FIGURES;
-    bool trace = field->part == BB_IN_TRACE || field->part == BB_IN_ACCURACY;
-    return trace && (field->types & lists) == 0;
+    const bool trace = field->part == BB_IN_TRACE || field->part == BB_IN_ACCURACY;
+    const bool all_rounds = (field->kind & BB_FIELD_ROUNDS) != 0 && field->heading == NULL;
+    return trace && !all_rounds && (field->kind & BB_FIELD_PARTS) == 0;
 }
 
 static void print_text(FILE *out, const char *text)
@@ -43,14 +42,10 @@ static void print_number(FILE *out, double value)
 }
 
 /* Nothing for what was not measured. */
-static void print_item(FILE *out, const bb_entry *item)
+static void print_field(FILE *out, const bb_entry *entry, bb_field_id field)
 {
-    if (cJSON_IsString(item))
-        print_text(out, item->valuestring);
-    else if (cJSON_IsNumber(item))
-        print_number(out, item->valuedouble);
-    else if (cJSON_IsBool(item))
-        fputs(cJSON_IsTrue(item) ? "true" : "false", out);
+    print_text(out, bb_get_text(entry, field));
+    print_number(out, bb_get_number(entry, field));
 }
 
 static void print_head(FILE *out)
@@ -78,11 +73,11 @@ static void print_trace(FILE *out, const bb_entry *trace, const bb_entry *build)
             continue;
         fputs(first ? "" : ",", out);
         first = false;
-        print_item(out, bb_get(trace, (bb_field_id)i));
+        print_field(out, trace, (bb_field_id)i);
     }
     for (size_t i = 0; i < OF_BUILD; i++) {
         fputc(',', out);
-        print_item(out, bb_get(build, of_build[i]));
+        print_field(out, build, of_build[i]);
     }
     fputc(',', out);
     print_number(out,
@@ -101,8 +96,7 @@ bb_status bb_report_csv(const bb_results *results, FILE *out)
     print_head(out);
     bb_each(trace, bb_results_section(results, BB_TRACES))
     {
-        double id = bb_get_number(trace, BB_F_TRACE_BUILD);
-        print_trace(out, trace, id >= 0 ? bb_results_build(results, (uint32_t)id) : NULL);
+        print_trace(out, trace, bb_build_of(trace));
     }
     return ferror(out) ? bb_fail(BB_FAILED, "cannot write the table") : BB_OK;
 }

@@ -8,7 +8,6 @@
 #include "framework/report/report.h"
 #include "framework/report/report_prediction.h"
 
-#include <cjson/cJSON.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -95,7 +94,7 @@ static void print_stages(FILE *out, const bb_entry *build)
     {
         char ms[BB_ENTRY], sah[BB_ENTRY], bytes[BB_ENTRY];
         const char *name = bb_part_name(stage);
-        bb_figure(ms, bb_part_number(stage), -1);
+        bb_figure(ms, bb_get_number(stage, BB_F_BUILD_STAGES), -1);
         double cost = bb_get_named(build, BB_F_BUILD_STAGES_SAH, name);
         double peak = bb_get_named(build, BB_F_BUILD_STAGES_PEAK, name);
         bb_figure(sah, cost, -1);
@@ -124,7 +123,8 @@ static void print_build(FILE *out, const bb_entry *build, int width, const bb_me
         return;
     bb_text_field(rate, build, BB_F_BUILD_RATE);
     bb_medians_text(ms, times, build);
-    bb_figure(conversion, layout != NULL ? bb_part_number(layout) : (double)NAN, -1);
+    bb_figure(conversion,
+              layout != NULL ? bb_get_number(layout, BB_F_BUILD_LAYOUTS_MS) : (double)NAN, -1);
     bb_figure(first, bb_first_ray_ms(build, layout != NULL ? bb_part_name(layout) : ""), -1);
     fprintf(out, "  %8s  %-9s  %-*s  %9s  %9s", rate, bb_get_text(build, BB_F_BUILD_HANDOVER),
             times->width, ms, conversion, first);
@@ -136,15 +136,16 @@ static void print_build(FILE *out, const bb_entry *build, int width, const bb_me
         fputc('\n', out);
     }
     print_stages(out, build);
-    if (layout == NULL || bb_next(layout) == NULL)
+    if (layout == NULL || bb_next_part(layout, BB_F_BUILD_LAYOUTS_MS) == NULL)
         return;
     fputs("    layouts:", out);
-    for (; layout != NULL; layout = bb_next(layout)) {
-        bb_figure(conversion, bb_part_number(layout), -1);
+    for (; layout != NULL; layout = bb_next_part(layout, BB_F_BUILD_LAYOUTS_MS)) {
+        bb_figure(conversion, bb_get_number(layout, BB_F_BUILD_LAYOUTS_MS), -1);
         fputc(' ', out);
         bb_figure(first, bb_first_ray_ms(build, bb_part_name(layout)), -1);
         bb_print_text(out, bb_part_name(layout), 0);
-        fprintf(out, " %s ms, first ray %s%s", conversion, first, bb_next(layout) ? ";" : "\n");
+        fprintf(out, " %s ms, first ray %s%s", conversion, first,
+                bb_next_part(layout, BB_F_BUILD_LAYOUTS_MS) != NULL ? ";" : "\n");
     }
 }
 
@@ -380,23 +381,26 @@ static void print_seconds(FILE *out, const char *name, double ms)
 static void print_times(FILE *out, const bb_results *results)
 {
     const bb_section *steps = bb_results_section(results, BB_STEPS);
-    const bool whole = bb_results_section(results, BB_TIMES) != NULL;
+    const bool whole = isfinite(bb_results_time_ms(results, "total"));
     double total = 0;
-    if (bb_first(steps) == NULL && !whole)
+    if (bb_first(steps) == NULL)
         return;
     fputs(whole ? "\nwhere the time went\n" : "\ntime outside build and trace\n", out);
     if (whole) {
-        print_seconds(out, "builds, timed", bb_results_ms(results, BB_TIMES, "build"));
-        print_seconds(out, "traces, timed", bb_results_ms(results, BB_TIMES, "trace"));
+        print_seconds(out, "builds, timed", bb_results_time_ms(results, "build"));
+        print_seconds(out, "traces, timed", bb_results_time_ms(results, "trace"));
     }
     bb_each(step, steps)
     {
-        print_seconds(out, bb_part_name(step), bb_part_number(step));
-        total += bb_part_number(step);
+        const double ms = bb_get_number(step, BB_F_STEP_MS);
+        if (isnan(ms)) /* of the times alone */
+            continue;
+        print_seconds(out, bb_part_name(step), ms);
+        total += ms;
     }
     if (whole) {
-        print_seconds(out, "not accounted for", bb_results_ms(results, BB_TIMES, "other"));
-        total = bb_results_ms(results, BB_TIMES, "total");
+        print_seconds(out, "not accounted for", bb_results_time_ms(results, "other"));
+        total = bb_results_time_ms(results, "total");
     }
     print_seconds(out, "total", total);
 }
@@ -415,16 +419,17 @@ static void print_compiling(FILE *out, const bb_entry *context)
     fputc('\n', out);
 }
 
-static void print_audit(FILE *out, const cJSON *audit)
+static void print_audit(FILE *out, const bb_entry *context)
 {
-    if (audit == NULL)
+    if (isnan(bb_get_number(context, BB_F_CONTEXT_AUDIT_TIMINGS)))
         return;
     fprintf(
         out,
         "\n%.0f timings were held against the clocks of the devices, %.0f rates against what was "
         "judged: %.0f contradict each other\n",
-        bb_json_number(audit, "timings"), bb_json_number(audit, "rates"),
-        bb_json_number(audit, "complaints"));
+        bb_get_number(context, BB_F_CONTEXT_AUDIT_TIMINGS),
+        bb_get_number(context, BB_F_CONTEXT_AUDIT_RATES),
+        bb_get_number(context, BB_F_CONTEXT_AUDIT_COMPLAINTS));
 }
 
 /* What the tables' headings mean. `embree`: what traces are held against; NULL: there are none. */
@@ -474,7 +479,7 @@ bb_status bb_report_table(const bb_results *results, FILE *out)
     print_skipped(out, bb_results_section(results, BB_SKIPPED));
     print_times(out, results);
     print_compiling(out, context);
-    print_audit(out, bb_results_member(results, "audit"));
+    print_audit(out, context);
     print_legend(out, bb_section_count(traces) > 0 ? bb_results_reference(results) : NULL);
     return ferror(out) ? bb_fail(BB_FAILED, "cannot write the table") : BB_OK;
 }

@@ -42,7 +42,7 @@ static void print_device(FILE *out, const bb_results *results)
 static void print_head(FILE *out, const bb_results *results, const bb_summary *s)
 {
     const bb_entry *context = bb_results_context(results);
-    double ms = bb_json_number(bb_results_section(results, BB_TIMES), "total");
+    double ms = bb_results_time_ms(results, "total");
     char revision[48];
     fputs("bvhbench ", out);
     snprintf(revision, sizeof revision, "%s", bb_get_text(context, BB_F_CONTEXT_REVISION));

@@ -31,7 +31,7 @@ static judged read(const bb_entry *trace)
 {
     double checked = bb_get_number(trace, BB_F_ACCURACY_CHECKED);
     return (judged){
-        .build = bb_get_number(trace, BB_F_TRACE_BUILD),
+        .build = bb_place_of(bb_build_of(trace)),
         .rate = bb_get_number(trace, BB_F_TRACE_RATE),
         .checked = checked,
         .wrong = round(bb_get_number(trace, BB_F_ACCURACY_WRONG_PPM) * checked / 1e6),

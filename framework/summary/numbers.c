@@ -139,8 +139,7 @@ static void read_traces(bb_numbers *n, const bb_section *traces)
         uint32_t scene = find_scene(n, bb_get_text(trace, BB_F_TRACE_SCENE));
         uint32_t entrant =
             find_entrant(n, bb_get_text(trace, BB_F_TRACE_BUILDER), bb_run_of(trace));
-        double id = bb_get_number(trace, BB_F_TRACE_BUILD);
-        if (scene == UINT32_MAX || entrant == UINT32_MAX || !may_rank(trace) || !(id >= 0))
+        if (scene == UINT32_MAX || entrant == UINT32_MAX || !may_rank(trace))
             continue;
         uint32_t set = find_set(n, scene, rays, view, hash);
         if (set == UINT32_MAX) {
@@ -152,7 +151,7 @@ static void read_traces(bb_numbers *n, const bb_section *traces)
                 fmax(n->sets[set].judged, bb_get_number(trace, BB_F_ACCURACY_CHECKED));
         bb_candidate *c = &n->candidates[n->candidate_count++];
         *c = (bb_candidate){.entrant = entrant, .set = set, .scene = scene};
-        read_trace(trace, bb_results_build(n->results, (uint32_t)id), c);
+        read_trace(trace, bb_build_of(trace), c);
     }
 }
 

@@ -50,14 +50,13 @@ static uint32_t collect(const bb_results *results, cell *cells, bool *has_overla
     }
     bb_each(trace, bb_results_section(results, BB_TRACES))
     {
-        double id = bb_get_number(trace, BB_F_TRACE_BUILD);
-        const bb_entry *build = id >= 0 ? bb_results_build(results, (uint32_t)id) : NULL;
+        const bb_entry *build = bb_build_of(trace);
         cell c = {.rays = bb_get_text(trace, BB_F_TRACE_RAYS),
                   .key = bb_get_text(trace, BB_F_TRACE_CELL),
                   .hash = bb_get_text(trace, BB_F_TRACE_RAYS_HASH),
                   .scene = bb_get_text(trace, BB_F_TRACE_SCENE),
                   .run = bb_run_of(trace),
-                  .build = id,
+                  .build = bb_place_of(build),
                   .trace = index++};
         if (!enters(trace, build))
             continue;

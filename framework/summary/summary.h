@@ -108,7 +108,7 @@ bb_status bb_summary_make(const bb_results *results, const bb_summary_choice *ch
 void bb_summary_free(bb_summary *summary);
 
 /* Returns the summaries of the whole document and of each choice of a scene and of rays, as JSON
- * for the page. Free it with cJSON_free(). NULL without memory. */
+ * for the page. From malloc. NULL without memory. */
 char *bb_summary_json(const bb_results *results);
 
 enum { BB_IMPLAUSIBLE = 768 };

@@ -9,8 +9,8 @@
 #include <string.h>
 #include <xxhash.h>
 
-const char *const bb_dimension_names[BB_DIMENSIONS] = {"scene",   "frame", "question",
-                                                       "builder", "maker", "intersector"};
+const char *const bb_dimension_names[BB_DIMENSIONS] = {
+    "run", "scene", "frame", "question", "view", "builder", "kernel", "maker", "intersector"};
 
 /* ---- indexes ---- */
 
@@ -249,6 +249,11 @@ const char *bb_table_name(const bb_table *table, uint32_t row, bb_dimension dime
     return name != NULL ? name : "";
 }
 
+bb_cell bb_table_cell(const bb_table *table, uint32_t row)
+{
+    return row < table->row_index.count ? table->rows[row] : (bb_cell){{NULL}};
+}
+
 /* ---- columns ---- */
 
 uint32_t bb_table_column_index(const bb_table *table, const char *name)
@@ -310,6 +315,8 @@ static bb_stored_column *take_over(bb_table *table, const bb_column *column)
 void bb_table_add_column(bb_table *table, bb_column column)
 {
     static const char empty[] = "";
+    if (bb_table_column_named(table, column.name) != NULL)
+        return;
     const char **const texts[] = {&column.name, &column.heading, &column.unit, &column.help};
     for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
         const char *text = bb_table_intern(table, *texts[i]);
@@ -363,7 +370,8 @@ static bb_value *place_of(bb_table *table, uint32_t row, const bb_column *column
     if (known == NULL && !any)
         return NULL;
     const char *fault = known == NULL ? bb_column_fault(column) : NULL;
-    if (known != NULL && known->column != column)
+    if (known != NULL && known->column != column &&
+        (known->own == NULL || known->column->kind != column->kind))
         fault = "there are two of that name";
     if (fault != NULL) {
         blame(table, column, fault);
@@ -417,6 +425,44 @@ void bb_table_set_rounds(bb_table *table, uint32_t row, const bb_column *column,
         run_out(table);
     free(place->rounds); /* which `samples` may be */
     place->rounds = copy;
+}
+
+/* The column of that name, which is added if there is none; NULL after a fault. */
+static const bb_column *column_like(bb_table *table, const bb_stored_column *like)
+{
+    const bb_column *known = bb_table_column_named(table, like->column->name);
+    if (known == NULL && like->own == NULL)
+        return like->column;
+    if (known == NULL) {
+        bb_table_add_column(table, *like->column);
+        known = bb_table_column_named(table, like->column->name);
+    }
+    if (known != NULL && known->kind != like->column->kind) {
+        blame(table, known, "it is of two kinds in the tables that are put together");
+        return NULL;
+    }
+    return known;
+}
+
+void bb_table_copy(bb_table *table, uint32_t row, const bb_table *from, uint32_t from_row)
+{
+    for (uint32_t i = 0; i < from->column_index.count && table->status == BB_OK; i++) {
+        const bb_stored_column *of = &from->columns[i];
+        const bb_value value =
+            from_row < of->count ? of->values[from_row] : none_of(of->column->kind);
+        const bool none = of->column->kind == BB_COLUMN_NUMBER ? isnan(value.number)
+                          : of->column->kind == BB_COLUMN_TEXT ? value.text == NULL
+                                                               : value.rounds == NULL;
+        const bb_column *column = none ? NULL : column_like(table, of);
+        if (column == NULL)
+            continue;
+        if (column->kind == BB_COLUMN_NUMBER)
+            bb_table_set_number(table, row, column, value.number);
+        else if (column->kind == BB_COLUMN_TEXT)
+            bb_table_set_text(table, row, column, value.text);
+        else
+            bb_table_set_rounds(table, row, column, value.rounds);
+    }
 }
 
 static bb_value value_at(const bb_table *table, uint32_t row, const char *name, bb_column_kind kind)

@@ -1,6 +1,6 @@
 /* The table of results: rows are cells, columns are figures.
  *
- * A cell says what was measured: up to six names, of which any may be absent. A picture has a
+ * A cell says what was measured: up to nine names, of which any may be absent. A picture has a
  * scene, a question, a builder and an intersector; a build has no question. A figure of the whole
  * run (the device's name) belongs to the cell without names. Columns are declared once, as
  * constants next to the code that fills them; a table takes over a column when it first gets a
@@ -67,12 +67,15 @@ typedef struct bb_column {
 /* ---- cells ---- */
 
 typedef enum bb_dimension {
+    BB_RUN, /* number in a merged table, from 1; the first run has none */
     BB_SCENE,
     BB_FRAME,
     BB_QUESTION,    /* a set of rays, a picture, a slice */
+    BB_VIEW,        /* a camera of the scene */
     BB_BUILDER,     /* a specification, with its optimisers */
-    BB_MAKER,       /* a stage or a phase of the builder */
-    BB_INTERSECTOR, /* a kernel or a search */
+    BB_KERNEL,      /* that traces */
+    BB_MAKER,       /* a stage or a phase of the builder, a layout, a step of the run */
+    BB_INTERSECTOR, /* of primitives, or a search */
     BB_DIMENSIONS,
 } bb_dimension;
 
@@ -105,11 +108,19 @@ bb_status bb_table_status(const bb_table *table); /* BB_OK, BB_REFUSED or BB_INV
 /* Put one value in a row. A value that is there is replaced. No value: a number that is not finite,
  * an empty text, no rounds, or rounds of which one is not finite. `column` outlives the table. Two
  * columns of one name, or a faulty declaration, are the caller's mistake: bb_table_status() is
- * BB_INVALID then. A table from a file has its own columns and takes no values of others. */
+ * BB_INVALID then. A table from a file has its own columns; a column of the same name and kind puts
+ * values into these. */
 void bb_table_set_number(bb_table *table, uint32_t row, const bb_column *column, double value);
 void bb_table_set_text(bb_table *table, uint32_t row, const bb_column *column, const char *value);
 void bb_table_set_rounds(bb_table *table, uint32_t row, const bb_column *column,
                          const bb_samples *samples);
+
+/* Adds a column, with copies of its texts, unless there is one of that name. */
+void bb_table_add_column(bb_table *table, bb_column column);
+
+/* Puts all values of a row of another table into a row of this one, with the columns that it lacks.
+ * BB_INVALID, as above, if two columns of one name are of different kinds. */
+void bb_table_copy(bb_table *table, uint32_t row, const bb_table *from, uint32_t from_row);
 
 /* ---- what stands in it ---- */
 
@@ -117,6 +128,7 @@ uint32_t bb_table_row_count(const bb_table *table);
 uint32_t bb_table_find(const bb_table *table, bb_cell cell); /* BB_NO_ROW: there is none */
 /* "" where the cell has no such name. */
 const char *bb_table_name(const bb_table *table, uint32_t row, bb_dimension dimension);
+bb_cell bb_table_cell(const bb_table *table, uint32_t row);
 
 uint32_t bb_table_column_count(const bb_table *table);
 const bb_column *bb_table_column(const bb_table *table, uint32_t index);
@@ -139,8 +151,9 @@ bb_status bb_table_write(const bb_table *table, const char *path);
  * truncated, of another schema, with duplicate keys, unknown members or wrong types. */
 bb_status bb_table_parse(const char *json, const char *name, bb_table **out);
 bb_status bb_table_read(const char *path, bb_table **out);
-/* Whether the file says of itself that it is a table, of whatever version. */
-bool bb_table_is_file(const char *path);
+/* Whether the file says of itself that it is a table, of whatever version, and that another command
+ * than this one made it. */
+bool bb_table_is_other(const char *path, const char *command);
 
 /* As CSV (RFC 4180), from malloc; NULL if there is no memory. One line of names, then one for each
  * row. Rounds become three columns: NAME, the median, and NAME.low and NAME.high, its interval. */

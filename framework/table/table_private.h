@@ -56,7 +56,4 @@ const char *bb_column_fault(const bb_column *column);
 /* Number of the column of that name, or UINT32_MAX. */
 uint32_t bb_table_column_index(const bb_table *table, const char *name);
 
-/* Adds a column of a file, with its texts. */
-void bb_table_add_column(bb_table *table, bb_column column);
-
 #endif

@@ -308,19 +308,35 @@ bb_status bb_table_read(const char *path, bb_table **out)
     return status;
 }
 
+/* The text behind the next member of that name; NULL: no more. */
+static const char *next_value(const char *at, const char *member)
+{
+    at = strstr(at, member);
+    return at != NULL ? at + strlen(member) + strspn(at + strlen(member), " \t\r\n:") : NULL;
+}
+
+/* Whether the first "command" that is a word is this one: a row's is a line of words. */
+static bool is_of(const char *text, const char *command)
+{
+    for (const char *at = text; (at = next_value(at, "\"command\"")) != NULL;) {
+        char word[66];
+        if (sscanf(at, "\"%65[a-z0-9_-]\"", word) == 1 && at[strlen(word) + 1] == '"')
+            return strcmp(word, command) == 0;
+    }
+    return false;
+}
+
 /* The members of a file may come in any order. */
-bool bb_table_is_file(const char *path)
+bool bb_table_is_other(const char *path, const char *command)
 {
     char *text;
     size_t size;
     bool found = false;
     if (bb_file_read(path, TABLE_BYTES_MAX, "table", &text, &size) != BB_OK)
         return false;
-    for (const char *at = text; !found && (at = strstr(at, "\"schema\"")) != NULL;) {
-        at += strlen("\"schema\"");
-        at += strspn(at, " \t\r\n:");
+    for (const char *at = text; !found && (at = next_value(at, "\"schema\"")) != NULL;)
         found = strncmp(at, "\"bvhbench-table/", 16) == 0;
-    }
+    found = found && !is_of(text, command);
     free(text);
     return found;
 }

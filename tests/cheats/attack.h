@@ -94,9 +94,9 @@ static inline void fail_case(const attack *a, const outcome *o, const char *why)
     print_error("  cd %s\n  %s\n  %s\n  %s\n", folder, commands[0], commands[1], commands[2]);
 }
 
-static inline uint32_t count_in(const cJSON *accuracy, const char *name)
+static inline uint32_t count_in(const cJSON *row, const char *name)
 {
-    const cJSON *item = cJSON_GetObjectItem(accuracy, name);
+    const cJSON *item = cJSON_GetObjectItem(row, name);
     assert_true(cJSON_IsNumber(item));
     return (uint32_t)cJSON_GetNumberValue(item);
 }
@@ -107,16 +107,17 @@ static inline void read_accuracy(outcome *o)
     read_file("judged/results.json", text, sizeof text);
     cJSON *json = cJSON_Parse(text);
     assert_non_null(json);
-    const cJSON *trace = cJSON_GetArrayItem(cJSON_GetObjectItem(json, "traces"), 0);
-    const cJSON *accuracy = cJSON_GetObjectItem(trace, "accuracy");
-    assert_int_equal(count_in(accuracy, "checked"), o->rays);
-    o->missed = count_in(accuracy, "missed");
-    o->false_hits = count_in(accuracy, "false");
-    o->wrong_t = count_in(accuracy, "wrong_t");
-    o->ties = count_in(accuracy, "ties");
-    o->margin_limited = count_in(accuracy, "margin_limited");
-    o->t_ulp_max = cJSON_GetNumberValue(cJSON_GetObjectItem(accuracy, "t_ulp_max"));
-    o->t_off = cJSON_GetNumberValue(cJSON_GetObjectItem(accuracy, "t_off"));
+    const cJSON *trace = cJSON_GetObjectItem(json, "rows");
+    for (trace = trace->child; trace != NULL && !cJSON_HasObjectItem(trace, "checked");)
+        trace = trace->next;
+    assert_int_equal(count_in(trace, "checked"), o->rays);
+    o->missed = count_in(trace, "missed");
+    o->false_hits = count_in(trace, "false");
+    o->wrong_t = count_in(trace, "wrong_t");
+    o->ties = count_in(trace, "ties");
+    o->margin_limited = count_in(trace, "margin_limited");
+    o->t_ulp_max = cJSON_GetNumberValue(cJSON_GetObjectItem(trace, "t_ulp_max"));
+    o->t_off = cJSON_GetNumberValue(cJSON_GetObjectItem(trace, "t_off"));
     cJSON_Delete(json);
 }
 

@@ -12,11 +12,11 @@ arguments=(--scene sphere-mesh:n=8,cube --builder lbvh,sah --kernel stack,stack8
     --size 16x16 --repeats 1 --charts no --quiet)
 common=(--charts no --quiet --repeats 1)
 cells() { # FILE...: keys of traces, and of builds that were measured
-    jq -r '(.traces[], (.builds[] | select(.unmeasured | not))) | .cell' "$@" | sort
+    jq -r '.rows[] | select(.unmeasured != "yes") | .cell // empty' "$@" | sort
 }
 exact() { # FILE: all that no clock decides, by cell
-    jq -S '[(.traces[] | {cell, status, count, rays_hash, node_tests_per_ray, prim_tests_per_ray, accuracy: (.accuracy | del(.judge_ms))}),
-        (.builds[] | {cell, status, tree, layouts_sah})] | sort_by(.cell)' "$1"
+    jq -S '([.columns[] | select(.sense == "timed") | .name] + ["unlike_whom"]) as $timed
+        | [.rows[] | select(.builder) | del(.[$timed[]])] | sort_by(.scene, .question, .view, .builder, .kernel, .maker)' "$1"
 }
 
 "$program" run "${arguments[@]}" --out whole >/dev/null
@@ -30,19 +30,20 @@ for count in 3 13; do
     "$program" merge "shard-$count-"* --out "merged-$count" --history bench.db >/dev/null || fail "$count shards are not merged"
     cells "merged-$count/results.json" | diff - shards.txt >&2 || fail "$count shards merged have other cells"
     diff <(exact whole/results.json) <(exact "merged-$count/results.json") >&2 || fail "$count shards merged have other figures"
-    jq -e '[.builds[] | select(.unmeasured)] == [] and .context.shard == null and .context.shard_of == null and (.context.shards | length) == '"$count" \
+    jq -e 'all(.rows[]; .unmeasured != "yes" and .shard == null and .shard_of == null)
+        and ([.rows[] | .shards // empty] | length == 1 and (.[0] | split("; ") | length) == '"$count)" \
         "merged-$count/results.json" >/dev/null || fail "$count shards: the context, or a build that nobody measured"
     # each trace has its own scene's build
-    jq -e '(.builds | map({key: (.id | tostring), value: .}) | from_entries) as $b
-        | all(.traces[]; $b[.build | tostring] | .status == "ok") and all(.traces[]; .builder == $b[.build | tostring].builder
-        and .scene == $b[.build | tostring].scene)' "merged-$count/results.json" >/dev/null || fail "a trace has another's build"
+    jq -e '[.rows[] | select(.status) | select(.question | not)] as $builds
+        | all(.rows[] | select(.status and .question); . as $trace | any($builds[]; .status == "ok" and .scene == $trace.scene
+        and .builder == $trace.builder and .run == ($trace.tree_run // $trace.run)))' "merged-$count/results.json" >/dev/null || fail "a trace has another's build"
     [ "$(find "merged-$count" -name '*.png' | wc -l)" -eq "$(find whole -maxdepth 1 -name '*.png' | wc -l)" ] || fail "pictures are missing"
     grep -q 'nothing is worse' <<<"$("$program" compare whole "merged-$count")" || fail "the merged run is worse"
 done
 grep -q '  2 runs' <<<"$("$program" report --history bench.db --out page.html)" || fail "the merged runs are not in the history"
 
 # A shard's own interleaved cells: all builders of a ray set are together.
-jq -r '.traces[] | .cell' shard-3-2/results.json | sed 's,/builder=.*,,' | sort | uniq -c | awk '{ print $1 }' | sort -u >counts.txt
+jq -r '.rows[] | select(.question) | .cell // empty' shard-3-2/results.json | sed 's,/builder=.*,,' | sort | uniq -c | awk '{ print $1 }' | sort -u >counts.txt
 [ "$(wc -l <counts.txt)" -eq 1 ] && [ "$(cat counts.txt)" -ge 4 ] || fail "a ray set is torn apart"
 
 # Builds alone, and the default comparison's second part, too.
@@ -52,7 +53,7 @@ for i in 1 2; do
 done
 diff <(cells builds/results.json) <(cells builds-[12]/results.json) >&2 || fail "builds"
 # One cell by its key, in one shard of two.
-key=$(jq -r '.traces[3].cell' whole/results.json)
+key=$(jq -r '[.rows[] | select(.question) | .cell // empty][3]' whole/results.json)
 for i in 1 2; do
     "$program" run --cell "$key" --shard $i/2 --out key-$i "${common[@]}" >/dev/null
 done
@@ -70,13 +71,13 @@ refused 'is no shard' merge shard-3-1 whole --out bad
 refused 'is one of 3 shards' merge shard-3-1 shard-13-2 --out bad
 cp -r shard-3-1 copy
 refused 'are both shard 1' merge shard-3-1 copy --out bad
-jq '.context.shard = "2/3"' shard-3-1/results.json >copy/results.json
+jq '(.rows[] | select(.revision)).shard = "2/3"' shard-3-1/results.json >copy/results.json
 refused 'is in two of the files' merge shard-3-1 copy --out bad
 "$program" run "${arguments[@]/stack,stack8/stack}" --shard 2/3 --out other >/dev/null
 refused 'made with the same options' merge shard-3-1 other --out bad
-jq '.context.revision = "other"' shard-3-2/results.json >copy/results.json
+jq '(.rows[] | select(.revision)).revision = "other"' shard-3-2/results.json >copy/results.json
 refused 'have the same revision' merge shard-3-1 copy --out bad
-jq '.context.shard = "4/3"' shard-3-2/results.json >copy/results.json
+jq '(.rows[] | select(.revision)).shard = "4/3"' shard-3-2/results.json >copy/results.json
 refused 'must be I/N' merge shard-3-1 copy --out bad
 refused '--out DIR says' merge shard-3-1 shard-3-2
 for shard in 0/3 4/3 3 a/b 1/0 -1/2 1/2/3; do

@@ -134,17 +134,17 @@ const bytePairs = object => pairs(object, bytes);
 function buildTable() {
   const treeBytes = b => isNumber(b.bytes_native) ? b.bytes_native : (b.tree || {}).bytes_tree;
   addTable($('builds-tables'), 'Builds. Press a heading to sort; the table scrolls sideways.', [
-    field('build', 'builder'), ...runColumn, ...fields('build', ['scene', 'mprims_s', 'handover']),
+    field('build', 'builder'), ...runColumn, ...fields('build', ['scene', 'mprims_s', 'build_handover']),
     medianColumn('build', 'build_ms_median', builds, 'build_ms'),
     ...minor(fields('build', ['cold_ms', 'boxes_ms', 'transfer_ms', 'prepare_ms', 'restore_ms', 'outside_ms', 'inputs'])),
     ...metrics.map(m => num(m.title, b => metricOf(b, m), [m.full_title, m.unit].filter(Boolean).join(', '))),
     field('tree', 'depth'), ...minor(fields('tree', ['arity', 'nodes', 'refs'])),
     field('tree', 'bytes_tree', { value: treeBytes, text: b => bytes(treeBytes(b)) }),
-    field('tree', 'bytes_peak'), field('build', 'layouts_ms'),
+    field('tree', 'bytes_peak'), field('build', 'layout_ms'),
     field('build', 'first_ray_ms', { text: b => b.reference ? figure(b.build_ms_median) : pairs(b.first_ray_ms) }),
-    ...(builds.some(b => b.stages_ms) ? [...fields('build', ['stages_ms', 'stages_sah']),
-      field('build', 'stages_bytes_peak', { text: b => bytePairs(b.stages_bytes_peak) }),
-      ...minor([field('build', 'stages_bytes', { text: b => bytePairs(b.stages_bytes) })])] : []), ...minor(fields('build', ['phases_ms', 'layouts_sah', 'params'])),
+    ...(builds.some(b => b.stage_ms) ? [...fields('build', ['stage_ms', 'stage_sah']),
+      field('build', 'stage_bytes_peak', { text: b => bytePairs(b.stage_bytes_peak) }),
+      ...minor([field('build', 'stage_bytes', { text: b => bytePairs(b.stage_bytes) })])] : []), ...minor(fields('build', ['phase_ms', 'layout_sah', 'parameter'])),
     ...(builds.some(b => b.about) ? [field('build', 'about', { wide: true })] : []),
     ...minor([field('build', 'cell', { wide: true })]),
     field('build', 'status', { text: statusText, wide: true, css: b => b.status === 'ok' ? '' : 'odd' }),
@@ -152,18 +152,14 @@ function buildTable() {
 }
 
 function sceneTable() {
-  const size = s => {
-    const { lo, hi } = s.bounds || {};
-    return Array.isArray(lo) && Array.isArray(hi) ? lo.map((v, i) => figure(hi[i] - v)).join(' \u00d7 ') : dash;
-  };
+  const size = s => ['x', 'y', 'z'].map(axis => figure(s[`hi_${axis}`] - s[`lo_${axis}`])).join(' \u00d7 ');
   addTable($('scenes-tables'), 'Scenes and their profiles', [
-    ...fields('scene', ['name', 'kind', 'prims']), field('scene', 'bounds', { text: size }),
+    ...fields('scene', ['name', 'kind', 'prims']), { name: 'Extent', text: size },
     ...fields('profile', ['flatness', 'size_min', 'size_median', 'size_max', 'overlap', 'zero_area', 'duplicate_centroids',
                           'code_bits']),
-    field('scene', 'decisions', { wide: true, text: s => Object.entries(s.decisions || {})
-      .map(([what, d]) => `${what} ${(d || {}).value}`).join(', ') || dash }),
+    field('scene', 'decision', { wide: true, text: s => pairs(s.decision) }),
     field('profile', 'closed', { text: s => ({ true: 'yes', false: 'no' })[(s.profile || {}).closed] || dash }),
-    ...minor([field('scene', 'views', { text: s => (s.views || []).join(', ') || dash, wide: true }), field('scene', 'hash')]),
+    ...minor([field('scene', 'views', { text: s => Object.keys(s.views || {}).join(', ') || dash, wide: true }), field('scene', 'hash')]),
   ], data.scenes, {});
 }
 
