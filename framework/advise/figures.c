@@ -1,4 +1,4 @@
-/* Reads the figures of a contender from a result document. */
+/* Reads the figures of a contender from results. */
 #include "framework/advise/figures.h"
 
 #include "traversal/traversal.h"

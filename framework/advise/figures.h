@@ -1,4 +1,4 @@
-/* Figures of a contender on a scene, from a result document: the time of an image by rounds, wrong
+/* Figures of a contender on a scene, from results: the time of an image by rounds, wrong
  * rays and memory. */
 #ifndef BB_ADVISE_FIGURES_H
 #define BB_ADVISE_FIGURES_H

@@ -19,7 +19,7 @@ static void audit_median(bb_audit *audit, const bb_entry *entry, bb_field_id fie
                           bb_fields[field].name, shown, seen);
 }
 
-/* Reads the document itself, so that the audit covers all steps from the clock to the printed
+/* Reads the results themselves, so that the audit covers all steps from the clock to the printed
  * figure. */
 void bb_audit_rates(bb_audit *audit, bb_results *results)
 {

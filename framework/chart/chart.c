@@ -213,7 +213,7 @@ static bb_chart_set *add_set(bb_charts *charts, const entry *first, const char *
     return set;
 }
 
-/* Adds the sets of one scene and rays. `entries` are in the order of the document; `views` has room
+/* Adds the sets of one scene and rays. `entries` are in the order of the results; `views` has room
  * for as many. */
 static void add_sets(bb_charts *charts, entry *entries, uint32_t count, const char **views)
 {
@@ -237,7 +237,7 @@ static void add_sets(bb_charts *charts, entry *entries, uint32_t count, const ch
     }
 }
 
-/* Collects the measured traces with their builds, in the order of the document. Returns how many.
+/* Collects the measured traces with their builds, in the order of the results. Returns how many.
  */
 static uint32_t collect(const bb_section *traces, entry *entries)
 {

@@ -11,7 +11,7 @@
  * measured. */
 typedef struct bb_chart_cell {
     const bb_entry *trace, *build; /* the records; of several views, the first one's trace */
-    uint32_t trace_index;          /* index of `trace` in the document */
+    uint32_t trace_index;          /* index of `trace` in the results */
     uint32_t views;
     double count; /* rays traced */
     double rays;  /* rays of the set, of which brute force traces only the first */

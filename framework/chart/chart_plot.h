@@ -17,7 +17,7 @@ bool bb_same_builder(const bb_chart_cell *a,
 bool bb_same_kernel(const bb_chart_cell *a, const bb_chart_cell *b);
 bool bb_same_intersector(const bb_chart_cell *a, const bb_chart_cell *b);
 
-/* The first cell of each series, in the order of the document: a series keeps its colour, shape and
+/* The first cell of each series, in the order of the results: a series keeps its colour, shape and
  * key in all pictures. */
 typedef struct bb_series {
     bb_same_fn *same;

@@ -65,7 +65,7 @@ bb_better bb_measured_better(const bb_measured *cell, const char *name)
     return figure != NULL ? figure->better : BB_BETTER_NEITHER;
 }
 
-/* ---- from a result document ---- */
+/* ---- from results ---- */
 
 static const bb_field_id of_builds[] = {BB_F_TREE_NODES,     BB_F_TREE_LEAVES, BB_F_TREE_REFS,
                                         BB_F_TREE_ARITY,     BB_F_TREE_DEPTH,  BB_F_TREE_BYTES,

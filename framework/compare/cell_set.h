@@ -47,7 +47,7 @@ typedef struct bb_cell_set {
     uint32_t duplicates; /* cells that were dropped because another has their key */
 } bb_cell_set;
 
-/* Takes all builds and traces of the document, which messages call `what`. Release with
+/* Takes all builds and traces of the results, which messages call `what`. Release with
  * bb_cell_set_free(), also after a failure. */
 bb_status bb_cell_set_of_results(const bb_results *results, const char *what, bb_cell_set *set);
 

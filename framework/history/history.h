@@ -14,7 +14,7 @@ typedef struct bb_history bb_history;
 bb_status bb_history_open(const char *path, bool create, bb_history **out);
 void bb_history_close(bb_history *history);
 
-/* Appends all builds and traces of the document as one run, in one transaction. After a failure
+/* Appends all builds and traces of the results as one run, in one transaction. After a failure
  * (BB_INVALID, BB_FAILED) the file is as before. */
 bb_status bb_history_append(bb_history *history, const bb_results *results);
 /* Appends all rows of a table in the same way. */

@@ -215,7 +215,7 @@ bb_status bb_reproduce_check(const bb_reproduce_request *request)
     return BB_OK;
 }
 
-/* Runs the experiment into the document, and makes its table. */
+/* Runs the experiment into the results, and makes its table. */
 static bb_status run(const bb_reproduce_request *request, const bb_experiment *e, plan *p,
                      bb_findings *f, bb_results *results, bb_bench_outcome *outcome)
 {

@@ -84,12 +84,12 @@ bool bb_missing_stage(const char *builder, char *name, size_t capacity);
 bb_status bb_reproduce(const bb_reproduce_request *request, bb_results *results,
                        bb_bench_outcome *outcome);
 
-/* Evaluates what was measured, one for each experiment, and adds the reproduction to the document.
+/* Evaluates what was measured, one for each experiment, and adds the reproduction to the results.
  */
 bb_status bb_reproduction_add(const bb_paper *paper, const bb_findings *findings,
                               bb_results *results);
 
-/* Prints the reproductions of the document: tables, then claims. */
+/* Prints the reproductions of the results: tables, then claims. */
 bb_status bb_reproduction_print(const bb_results *results, FILE *out);
 
 /* Adds what a comparison measured to the table: builds with ids from `first` on, all scenes. */

@@ -1,4 +1,4 @@
-/* Tables and claims: into the result document, and as text. */
+/* Tables and claims: into the results, and as text. */
 #include "framework/papers/reproduce.h"
 #include "framework/record/record.h"
 #include "framework/show/page.h"

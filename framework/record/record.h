@@ -149,7 +149,7 @@ bool bb_device_is_like(const char *device, const char *type, const char *other,
  * another. */
 const char *bb_results_reference(const bb_results *results);
 
-/* An empty result document with its context (date, revision, host, cpu, load, device, driver ...).
+/* Empty results with their context (date, revision, host, cpu, load, device, driver ...).
  * Revision, build flags and so on are those of this program; Embree's version is that of the loaded
  * library. The caller owns the results. BB_FAILED without memory or Embree. */
 typedef struct bb_context {

@@ -5,7 +5,6 @@
 #include "framework/record/record.h"
 #include "framework/table/table.h"
 
-#include <cjson/cJSON.h>
 #include <stdio.h>
 
 /* One screen of at most 100 columns: builders by merit, what is best, what cannot be told apart. */
@@ -35,7 +34,7 @@ bb_status bb_report_charts_folder(const char *page, char *folder, size_t capacit
  * words if it is missing or fails. */
 bb_status bb_report_charts(bb_results *results, const char *folder, uint32_t *pictures);
 
-/* The page of an atlas (bvhbench-stress/1, framework/stress/) as one HTML file, with the pictures
+/* The page of an atlas (a table of `stress`, framework/stress/) as one HTML file, with the pictures
  * that lie in `folder`. */
 bb_status bb_report_atlas(const bb_table *atlas, const char *folder, const char *path);
 

@@ -128,7 +128,7 @@ static bb_status put_choices(bb_json *json, const bb_numbers *n)
 }
 
 /* Puts [trace, time, SAH, EPO, mix, work] of each cell, grouped by kind of rays. The fitted figures
- * are in the document. */
+ * are in the results. */
 static bb_status put_predictions(bb_json *json, const bb_results *results)
 {
     bb_predictions made;

@@ -1,4 +1,4 @@
-/* Reads the numbers of a document once: entrants, ray sets and times. */
+/* Reads the numbers of results once: entrants, ray sets and times. */
 #include "framework/summary/prediction.h"
 #include "framework/summary/summary_private.h"
 

@@ -1,4 +1,4 @@
-/* Makes the cells of fits from those of a document, by kind of rays. */
+/* Makes the cells of fits from those of results, by kind of rays. */
 #include "framework/summary/prediction.h"
 
 #include <math.h>
@@ -37,7 +37,7 @@ static bool enters(const bb_entry *trace, const bb_entry *build)
            bb_get_number(build, BB_F_TREE_NODES) > 1;
 }
 
-/* Collects the cells that have all figures. If no tree of the document has an EPO, SAH takes its
+/* Collects the cells that have all figures. If no tree of the results has an EPO, SAH takes its
  * place and *has_overlap is false. */
 static uint32_t collect(const bb_results *results, cell *cells, bool *has_overlap)
 {
@@ -111,7 +111,7 @@ static int compare_cells(const void *left, const void *right)
     return order != 0 ? order : (a->trace > b->trace) - (a->trace < b->trace);
 }
 
-/* Numbers the kinds in the order of the document, and removes cells that are alone in their group,
+/* Numbers the kinds in the order of the results, and removes cells that are alone in their group,
  * which tell nothing. Returns how many are left, sorted by kind and group. */
 static uint32_t group_cells(cell *cells, uint32_t count)
 {

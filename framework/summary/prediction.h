@@ -18,18 +18,18 @@ enum { BB_PREDICTION_TREES = 5 };
 
 /* The figures of a cell, each divided by the geometric mean of its group. */
 typedef struct bb_prediction_point {
-    uint32_t trace; /* index in the document */
+    uint32_t trace; /* index in the results */
     double time, sah, overlap, mix, work;
 } bb_prediction_point;
 
 typedef struct bb_prediction {
     bb_prediction_record record;
-    const char *rays; /* the text is the document's */
+    const char *rays; /* the text is the results' */
     bb_prediction_point *points;
 } bb_prediction;
 
 typedef struct bb_predictions {
-    bb_prediction *kinds; /* in the order of the document, without those that have too few trees */
+    bb_prediction *kinds; /* in the order of the results, without those that have too few trees */
     uint32_t count;
 } bb_predictions;
 
@@ -40,7 +40,7 @@ double bb_prediction_overlap(const bb_entry *build);
 bb_status bb_predictions_make(const bb_results *results, bb_predictions *out);
 void bb_predictions_free(bb_predictions *predictions);
 
-/* Makes the predictions anew and puts them into the document in place of earlier ones. */
+/* Makes the predictions anew and puts them into the results in place of earlier ones. */
 bb_status bb_predictions_record(bb_results *results);
 
 #endif

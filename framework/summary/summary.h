@@ -1,4 +1,4 @@
-/* The summary of a result document: one row per builder, over all scenes and ray sets or a choice
+/* The summary of results: one row per builder, over all scenes and ray sets or a choice
  * of them.
  *
  * Means over scenes and ray sets are geometric means of ratios between builders on the same rays.
@@ -39,7 +39,7 @@ typedef struct bb_standing {
 } bb_standing;
 
 typedef struct bb_summary_row {
-    const char *builder;        /* as in the document, which owns the text */
+    const char *builder;        /* as in the results, which own the text */
     double run;                 /* number of the run in a merged file */
     char name[BB_SUMMARY_NAME]; /* short, for tables */
     bool reference;
@@ -101,7 +101,7 @@ typedef struct bb_summary {
     uint32_t sentence_count;
 } bb_summary;
 
-/* Makes the summary. Its texts are the document's, which must outlive it. BB_FAILED without memory.
+/* Makes the summary. Its texts belong to the results, which must outlive it. BB_FAILED without memory.
  */
 bb_status bb_summary_make(const bb_results *results, const bb_summary_choice *choice,
                           bb_summary *summary);

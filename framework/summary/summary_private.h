@@ -1,4 +1,4 @@
-/* Shared by the files of this folder: the numbers of a document, read once, and means over them. */
+/* Shared by the files of this folder: the numbers of results, read once, and means over them. */
 #ifndef BB_SUMMARY_PRIVATE_H
 #define BB_SUMMARY_PRIVATE_H
 
