@@ -34,19 +34,16 @@ static inline bb_entry *new_build(bb_results *results, const char *scene, const 
     return build;
 }
 
-/* A trace of a million rays. The same one again is of another view. */
+/* A trace of a million rays. */
 static inline bb_entry *new_trace(bb_results *results, const char *scene, const char *builder,
                                   const char *rays, const char *kernel, const char *intersector)
 {
-    char view[16] = "";
-    bb_cell cell = {{[BB_SCENE] = scene,
-                     [BB_QUESTION] = rays,
-                     [BB_VIEW] = view,
-                     [BB_BUILDER] = builder,
-                     [BB_KERNEL] = kernel,
-                     [BB_INTERSECTOR] = intersector}};
-    for (int again = 2; bb_results_find(results, cell) != NULL; again++)
-        snprintf(view, sizeof view, "view %d", again);
+    const bb_cell cell = {{[BB_SCENE] = scene,
+                           [BB_QUESTION] = rays,
+                           [BB_BUILDER] = builder,
+                           [BB_KERNEL] = kernel,
+                           [BB_INTERSECTOR] = intersector}};
+    assert_null(bb_results_find(results, cell));
     bb_entry *trace = bb_results_entry(results, cell);
     assert_non_null(trace);
     bb_put_text(trace, BB_F_TRACE_STATUS, "ok");

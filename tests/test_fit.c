@@ -253,7 +253,6 @@ static void a_document_is_fitted_by_kind_of_rays(void **state)
     bb_results_destroy(results);
 }
 
-/* Wrong answers, references, single leaves and cells that are alone on their rays say nothing. */
 /* Rays of the same name that are others, as from another seed, take another time: a group of their
  * own. */
 static void other_rays_are_another_group(void **state)
@@ -262,8 +261,9 @@ static void other_rays_are_another_group(void **state)
     bb_results *d = make_document(1, true);
     for (int b = 0; b < TREES; b++) {
         char builder[16];
-        snprintf(builder, sizeof builder, "b%d", b);
+        snprintf(builder, sizeof builder, "other%d", b);
         const double cost = 0.7 * costs[b][0] + 0.3 * costs[b][1];
+        add_build(d, "scene0", builder, costs[b][0], costs[b][1]);
         bb_entry *trace = add_trace(d, "scene0", builder, "primary", "stack", 50 * cost, 1 + cost);
         bb_put_text(trace, BB_F_TRACE_RAYS_HASH, "others");
     }
@@ -278,17 +278,26 @@ static void other_rays_are_another_group(void **state)
     bb_results_destroy(results);
 }
 
+/* Returns the only trace of a builder of its own, on the rays and by the kernel of all others. */
+static bb_entry *add_odd(bb_results *d, const char *builder)
+{
+    add_build(d, "scene0", builder, 40, 3);
+    return add_trace(d, "scene0", builder, "primary", "stack", 5, 9);
+}
+
+/* Wrong answers, references, single leaves and cells that are alone on their rays say nothing. */
 static void only_sound_cells_enter(void **state)
 {
     (void)state;
     bb_results *d = make_document(1, true);
     bb_put_number(add_build(d, "scene0", "leaf", 1e5, 3), BB_F_TREE_NODES, 1);
     add_trace(d, "scene0", "leaf", "primary", "stack", 1e6, 1e5);
-    bb_put_flag(add_trace(d, "scene0", "b0", "primary", "stack", 5, 9), BB_F_TRACE_COUNTS, false);
-    add_trace(d, "scene0", "b1", "primary", "trail", 5, 9); /* alone */
-    bb_put_flag(add_trace(d, "scene0", "b2", "primary", "stack", 5, 9), BB_F_TRACE_WRONG, true);
-    bb_put_flag(add_trace(d, "scene0", "b3", "primary", "stack", 5, 9), BB_F_TRACE_REFERENCE, true);
-    add_trace(d, "scene0", "b1", "rare", "stack", 5, 9); /* two trees are too few */
+    bb_put_flag(add_odd(d, "uncounted"), BB_F_TRACE_COUNTS, false);
+    bb_put_flag(add_odd(d, "wrong"), BB_F_TRACE_WRONG, true);
+    bb_put_flag(add_odd(d, "reference"), BB_F_TRACE_REFERENCE, true);
+    bb_put_flag(add_odd(d, "embree"), BB_F_TRACE_REFERENCE, true); /* one would be alone */
+    add_trace(d, "scene0", "b1", "primary", "trail", 5, 9);        /* alone */
+    add_trace(d, "scene0", "b1", "rare", "stack", 5, 9);           /* two trees are too few */
     add_trace(d, "scene0", "b2", "rare", "stack", 6, 9);
     bb_results *results = read_back(d);
     bb_predictions made;
