@@ -13,26 +13,33 @@ fail() {
 }
 
 [ -s "$results" ] || fail "is not there"
+# What a row is follows from its names (framework/record/README.md).
+rows='def rows: if .schema == "bvhbench-table/1" then .rows[] else error("no table") end |
+        select(.maker | not);
+    def traces: rows | select(.question and .builder);
+    def builds: rows | select(.builder and (.question | not));
+    def skipped: rows | select(.question and .scene and (.builder | not));
+'
 count() {
-    jq -r "$1" "$results" || fail "is not what it should be: see above"
+    jq -r "$rows$1" "$results" || fail "is not what it should be: see above"
 }
 
-found=$(count '.traces | length')
+found=$(count '[traces] | length')
 [ "$found" -eq "$cells" ] || fail "$found cells, not $cells"
-bad=$(count '[.traces[] | select(.status != "ok")
-    | "\(.scene) \(.builder) \(.kernel) \(.rays): \(.status)"] | .[:3] | join("; ")')
+bad=$(count '[traces | select(.status != "ok")
+    | "\(.scene) \(.builder) \(.kernel) \(.question): \(.status)"] | .[:3] | join("; ")')
 [ -z "$bad" ] || fail "cells that were not measured: $bad"
-bad=$(count '[.traces[]
-    | select((.accuracy.checked == .count and .count > 0 and .mrays_s > 0) | not)
-    | "\(.scene) \(.builder) \(.kernel) \(.rays)"] | .[:3] | join("; ")')
+bad=$(count '[traces
+    | select((.checked == .count and .count > 0 and (.ms // [] | length > 0 and all(. > 0))) | not)
+    | "\(.scene) \(.builder) \(.kernel) \(.question)"] | .[:3] | join("; ")')
 [ -z "$bad" ] || fail "cells of which not each ray was judged: $bad"
-bad=$(count '[.builds[] | select(.status != "ok") | "\(.scene) \(.builder): \(.status)"]
+bad=$(count '[builds | select(.status != "ok") | "\(.scene) \(.builder): \(.status)"]
     | .[:3] | join("; ")')
 [ -z "$bad" ] || fail "builds that were not measured: $bad"
-bad=$(count '[.skipped[] | "\(.scene) \(.rays)"] | .[:3] | join("; ")')
+bad=$(count '[skipped | "\(.scene) \(.question)"] | .[:3] | join("; ")')
 [ -z "$bad" ] || fail "ray sets that were left out: $bad"
 [ -s "$folder/report.html" ] || fail "no report.html beside it"
 while IFS= read -r picture; do
     [ -s "$folder/$picture" ] || fail "no $picture beside it"
-done < <(count '.pictures[].path')
+done < <(count 'rows | .frame // empty')
 echo "check_results: $results: $found cells, each measured and judged"

@@ -77,11 +77,14 @@ mkdir "$out"
 check_results() {
     expect "$1" "$2" "$source/tests/check_results.sh" "$out" 2
 }
-# results FILTER: a good document of two cells, changed by a filter of jq.
+# results FILTER: good results of two cells, rows 2 and 3, and a part of each, changed by a filter of
+# jq.
 results() {
-    jq -n '{builds: [{scene: "s", builder: "b", status: "ok"}], skipped: [],
-        pictures: [{path: "p.png"}], traces: [range(2) | {scene: "s", builder: "b", kernel: "k\(.)",
-        rays: "r", status: "ok", count: 5, mrays_s: 1, accuracy: {checked: 5}}]}' |
+    jq -n '[range(2) | {scene: "s", question: "r", builder: "b", kernel: "k\(.)"}] as $cells |
+        {schema: "bvhbench-table/1", rows: ([{scene: "s"}, {scene: "s", builder: "b", status: "ok"}]
+        + [$cells[] + {status: "ok", count: 5, ms: [1, 2], checked: 5}]
+        + [$cells[] + {maker: "m"}]
+        + [{scene: "s", frame: "p.png"}])}' |
         jq "$1" >"$out/results.json"
 }
 check_results 1 'is not there'
@@ -91,22 +94,25 @@ echo page >"$out/report.html"
 check_results 1 'no p.png'
 echo picture >"$out/p.png"
 check_results 0 '2 cells, each measured and judged'
-results 'del(.traces[1])'
+results 'del(.rows[3])'
 check_results 1 '1 cells, not 2'
-results '.traces[1].status = "refused"'
+results '.rows[3].status = "refused"'
 check_results 1 's b k1 r: refused'
-results '.traces[0].accuracy.checked = 4'
+results '.rows[2].checked = 4'
 check_results 1 'not each ray was judged: s b k0 r'
-results '.traces[0].accuracy = null'
-check_results 1 'not each ray was judged'
-results '.traces[0] |= (.count = 0 | .accuracy.checked = 0)'
-check_results 1 'not each ray was judged'
-results '.builds[0].status = "failed"'
+for change in 'del(.rows[2].checked)' 'del(.rows[2].ms)' '.rows[2].ms = [0, 1]' \
+    '.rows[2] |= (.count = 0 | .checked = 0)'; do
+    results "$change"
+    check_results 1 'not each ray was judged'
+done
+results '.rows[1].status = "failed"'
 check_results 1 's b: failed'
-results '.skipped = [{scene: "s", rays: "edges"}]'
+results '.rows += [{scene: "s", question: "edges"}]'
 check_results 1 's edges'
-results '.traces = 7'
-check_results 1 'not 2'
+results '.rows = 7'
+check_results 1 'not what it should be'
+results '.schema = "bvhbench-results/1" | .rows = []'
+check_results 1 'not what it should be'
 echo '{' >"$out/results.json"
 check_results 1 'not what it should be'
 echo "checks: ok"
