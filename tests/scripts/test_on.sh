@@ -138,11 +138,13 @@ matrix() {
 stub bvhbench 'while [ $# -gt 0 ]; do [ "$1" != --out ] || out=$2; [ "$1" != --scene ] || scene=$2; shift; done
 [ -z "${STUB_DIES-}" ] || [ "$scene" != "$STUB_DIES" ] || { echo "bvhbench: the device is lost"; exit 2; }
 mkdir -p "$out"
-row() { echo "{\"scene\":\"$scene\",\"builder\":\"$1\",\"kernel\":\"k\",\"query\":\"any\",\"status\":\"$2\",\"reason\":$3,\"wrong\":$4,\"unlike\":$5,\"accuracy\":{\"wrong_ppm\":0},\"reference\":$6}"; }
+row() { echo "{\"scene\":\"$scene\",\"question\":\"r\",\"builder\":\"$1\",\"kernel\":\"k\",\"query\":\"any\",\"status\":\"$2\",\"unlike\":0,\"wrong_ppm\":0$3}"; }
 {
-    echo "{\"traces\":["
-    row good ok null false 0 false; echo ,; row shy refused "\"too small\"" false 0 false; echo ,
-    row bad ok null ${STUB_WRONG-false} 0 false; echo ,; row embree ok null true 0 true
+    echo "{\"rows\":[{\"scene\":\"$scene\"},{\"scene\":\"$scene\",\"builder\":\"good\",\"status\":\"ok\"},"
+    row good ok ""; echo ,; row good ok ",\"maker\":\"m\""; echo ,
+    row shy refused ",\"reason\":\"too small\""; echo ,
+    row bad ok "${STUB_WRONG:+,\"wrong\":\"$STUB_WRONG\"}"; echo ,
+    row embree ok ",\"wrong\":\"yes\",\"reference\":\"yes\""
     echo "]}"
 } >"$out/results.json"
 way="\"builder\":\"b\",\"intersector\":\"skip\""
@@ -153,11 +155,11 @@ matrix 0
 says '^matrix: 26 right, 18 refused, 0 wrong'
 says "^gpu.cube.shy.k.any.refused.too small\$" "$work/matrix/matrix.tsv"
 says "slice.refused.no room\$" "$work/matrix/matrix.tsv"
-STUB_WRONG=true matrix 1
+STUB_WRONG=yes matrix 1
 says '^matrix: 18 right, 18 refused, 8 wrong'
 STUB_DIFFER=3 matrix 1
 says '^matrix: 16 right, 18 refused, 10 wrong'
 STUB_DIES=cube matrix 1
 says 'wrong.bvhbench: the device is lost$' "$work/matrix/matrix.tsv"
-STUB_WRONG=true matrix 2 --fast x
+STUB_WRONG=yes matrix 2 --fast x
 echo "test_on: ok"
