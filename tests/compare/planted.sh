@@ -26,7 +26,8 @@ slowed() {
 ratio_of() {
     for pair in "$folder/$1"/[1-9]*-after; do
         jq -n --slurpfile a "${pair%after}before/results.json" --slurpfile b "$pair/results.json" '
-            def times: [.traces[] | select(.kernel == "stack") | {key: .cell, value: .ms_median}] | from_entries;
+            def median: sort | .[(length - 1) / 2 | floor];
+            def times: [.rows[] | select(.kernel == "stack" and .cell) | {key: .cell, value: (.ms[1:] | median)}] | from_entries;
             ($a[0] | times) as $x | ($b[0] | times) as $y | $x | keys[] | $y[.] / $x[.]'
     done | sort -g | awk '{ v[NR] = $1 } END { print v[int((NR + 1) / 2)] }'
 }
