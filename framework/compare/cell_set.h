@@ -10,7 +10,7 @@
 enum { BB_FIGURE_NAME = 112 };
 
 /* A figure that does not depend on a clock. Its name is that of the result file; for a layout, the
- * names of field and layout: "layouts_sah pair:leaf=4". */
+ * names of field and layout: "layout_sah pair:leaf=4". */
 typedef struct bb_exact_figure {
     char name[BB_FIGURE_NAME];
     bb_better better;

@@ -101,8 +101,8 @@ typedef struct bb_summary {
     uint32_t sentence_count;
 } bb_summary;
 
-/* Makes the summary. Its texts belong to the results, which must outlive it. BB_FAILED without memory.
- */
+/* Makes the summary. Its texts belong to the results, which must outlive it. BB_FAILED without
+ * memory. */
 bb_status bb_summary_make(const bb_results *results, const bb_summary_choice *choice,
                           bb_summary *summary);
 void bb_summary_free(bb_summary *summary);

@@ -19,7 +19,7 @@ typedef struct bb_metric {
     const char *summary;    /* its meaning for a tree, in a sentence or two for the page and the
                           * help */
     bool on_request;        /* too expensive to be measured each time */
-    bool of_layouts; /* the harness also measures it for each layout, as traced: layouts_NAME */
+    bool of_layouts; /* the harness also measures it for each layout, as traced: layout_sah */
     /* Rank in the mixture that predicts the time of rays (summary/prediction.h): of several that a
      * tree has, the one with the largest number is used; 0: never used. */
     unsigned mixed;
