@@ -5,9 +5,13 @@
  */
 #include "framework/record/record_private.h"
 
+#include "framework/base/number.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+
+enum { RUNS_MAX = 1000000 };
 
 bb_status bb_results_write(const bb_results *results, const char *path)
 {
@@ -82,6 +86,20 @@ static bb_status check_needed(const bb_section *section, bb_field_part part)
     return BB_OK;
 }
 
+/* Checks that numbers of runs are written as bb_run_name() does it. */
+static bb_status check_run(const bb_table *table, uint32_t row)
+{
+    char canonical[16];
+    uint64_t number;
+    const char *run = bb_table_name(table, row, BB_RUN);
+    const bool ok = bb_read_whole(run, &number) && number > 0 && number <= RUNS_MAX &&
+                    strcmp(run, bb_run_name((uint32_t)number, canonical)) == 0;
+    return run[0] == '\0' || ok
+               ? BB_OK
+               : bb_fail(BB_INVALID, "rows[%u]: the run '%.40s' is no number from 1 to %d", row,
+                         run, RUNS_MAX);
+}
+
 static bb_status check_rows(bb_results *results)
 {
     static const bb_field_part parts[BB_SECTIONS] = {
@@ -90,8 +108,10 @@ static bb_status check_rows(bb_results *results)
         [BB_PICTURES] = BB_IN_PICTURE, [BB_PREDICTIONS] = BB_IN_PREDICTION,
         [BB_PAPERS] = BB_IN_PAPER,     [BB_MERGED] = BB_IN_CONTEXT,
         [BB_STEPS] = BB_IN_STEP};
-    for (uint32_t row = 0; row < bb_table_row_count(results->table); row++)
+    for (uint32_t row = 0; row < bb_table_row_count(results->table); row++) {
+        BB_TRY(check_run(results->table, row));
         BB_TRY(bb_results_enter(results, row));
+    }
     if (results->context == NULL)
         return bb_fail(BB_INVALID, "there is no row without names, of the context");
     for (int s = 0; s < BB_SECTIONS; s++)
