@@ -173,7 +173,7 @@ static void wrong_rows_are_named(void **state)
          "rows[3] names scene 'other', which is missing"},
         {COLUMNS, BUILD TRACE_OF("s", "b", ",\"tree_run\":\"2\""), "rows[3] names a build of 'b'"},
         {COLUMNS, BUILD TRACE_OF("s", "b", ",\"run\":\"1\""), "rows[3] names a build of 'b'"},
-        {COLUMNS, BUILD TRACE_OF("s", "b", ",\"ms\":[1,-1]"), "rows[3]: \"ms\" is negative"},
+        {COLUMNS, BUILD TRACE_OF("s", "b", ",\"ms\":[1,-1,2,3]"), "rows[3]: \"ms\" is negative"},
         {COLUMNS,
          BUILD ",{\"scene\":\"s\",\"builder\":\"b\",\"maker\":\"pair\",\"layout_ms\":[-1]}",
          "rows[3]: \"layout_ms\" is negative"},
