@@ -166,6 +166,24 @@ static void all_shards_are_listed(void **state)
     bb_results_destroy(a);
 }
 
+/* A trace of a tree of another run, with a part of its own, and a build that names a run. */
+static void odd_runs_do_no_harm(void **state)
+{
+    (void)state;
+    bb_results *a = shard("1/2"), *b = shard("2/2");
+    add(a, "hploc", true, 7, "stack");
+    bb_put_text(a->sections[BB_BUILDS].first, BB_F_TRACE_TREE_RUN, "5");
+    add(b, "lbvh", true, 3, "stack");
+    bb_put_text(bb_results_part(b, b->sections[BB_TRACES].first, "kinds"), BB_F_TRACE_DECISIONS,
+                "triangles");
+    ASSERT_OK(bb_results_join(a, b));
+    assert_int_equal(bb_results_join(b, a), BB_INVALID); /* cells of both */
+    assert_int_equal(bb_section_count(bb_results_section(a, BB_TRACES)), 2);
+    assert_string_equal(bb_get_decision(trace_by(a, "lbvh", "stack"), "kinds"), "triangles");
+    bb_results_destroy(b);
+    bb_results_destroy(a);
+}
+
 static void what_is_no_shard_is_refused(void **state)
 {
     (void)state;
@@ -192,9 +210,8 @@ static void what_is_no_shard_is_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_measured_build_stays),
-        cmocka_unit_test(three_trees_stay_apart),
-        cmocka_unit_test(all_shards_are_listed),
+        cmocka_unit_test(the_measured_build_stays),    cmocka_unit_test(three_trees_stay_apart),
+        cmocka_unit_test(all_shards_are_listed),       cmocka_unit_test(odd_runs_do_no_harm),
         cmocka_unit_test(what_is_no_shard_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

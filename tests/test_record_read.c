@@ -118,9 +118,9 @@ static void write_rows(const char *path, const char *columns, const char *rows)
         char name[64], kind[16];
         assert_int_equal(sscanf(at, "%63[^:]:%15[a-z]", name, kind), 2);
         fprintf(file,
-                "%s{\"name\":\"%s\",\"heading\":\"\",\"unit\":\"\",\"help\":\"\",\"kind\":\"%s\","
+                "%s{\"name\":\"%s\",\"heading\":\"\",\"unit\":\"%s\",\"help\":\"\",\"kind\":\"%s\","
                 "\"sense\":\"timed\",\"better\":\"less\",\"decimals\":0}",
-                at == columns ? "" : ",", name, kind);
+                at == columns ? "" : ",", name, strstr(name, "ms") != NULL ? "ms" : "", kind);
     }
     fprintf(file, "],\"rows\":[%s]}", rows);
     fclose(file);
@@ -154,6 +154,8 @@ static void wrong_rows_are_named(void **state)
         {COLUMNS, "{},{\"question\":\"emc\",\"frame\":\"t\",\"maker\":\"1\"}",
          "rows[1] is part of a row"},
         {"busy_processors:text", "{}", "\"busy_processors\" is of the wrong kind"},
+        {"build_ms:rounds mrays_s_given:number", "{}", "\"mrays_s_given\" is not of times"},
+        {COLUMNS, "{},{\"run\":\"1\",\"scene\":\"s\",\"prims\":1}", "rows[1] is of a run"},
         {COLUMNS, "{},{\"run\":\"x\"}", "rows[1]: the run 'x' is no number"},
         {COLUMNS, "{},{\"run\":\"-1\"}", "rows[1]: the run '-1' is no number"},
         {COLUMNS, "{},{\"run\":\"01\"}", "rows[1]: the run '01' is no number"},

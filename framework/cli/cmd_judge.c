@@ -257,6 +257,18 @@ static bb_status add_trace(const job *j, const ray_set *set, bb_results *results
     return status;
 }
 
+/* Rays of one name and view are of runs of their own: else they were one cell. */
+static bb_status begin_again(const job *j, uint32_t set, bb_results *results)
+{
+    for (uint32_t i = 0; i < set; i++)
+        if (strcmp(j->sets[i].rays->name, j->sets[set].rays->name) == 0 &&
+            strcmp(j->sets[i].rays->view, j->sets[set].rays->view) == 0) {
+            bb_results_begin_run(results);
+            return add_build(j, results);
+        }
+    return BB_OK;
+}
+
 static bb_status write_results(const bb_cli *cli, const job *j)
 {
     char json[PATH_MAX], html[PATH_MAX];
@@ -268,8 +280,11 @@ static bb_status write_results(const bb_cli *cli, const job *j)
         status = bb_results_add_scene(results, j->scene, NULL);
     if (status == BB_OK)
         status = add_build(j, results);
-    for (uint32_t i = 0; i < j->set_count && status == BB_OK; i++)
-        status = add_trace(j, &j->sets[i], results);
+    for (uint32_t i = 0; i < j->set_count && status == BB_OK; i++) {
+        status = begin_again(j, i, results);
+        if (status == BB_OK)
+            status = add_trace(j, &j->sets[i], results);
+    }
     if (status == BB_OK)
         status = bb_results_add_step(results, "judge answers", bb_wall_ms() - j->start);
     if (status == BB_OK)

@@ -279,12 +279,14 @@ bool bb_get_printed(const bb_entry *row, uint32_t index, bb_printed *cell)
     const uint32_t table = table_of(row);
     bb_printed_name(paper, table, index, false, number);
     bb_printed_name(paper, table, index, true, text);
-    const bb_column *column = bb_table_column_named(row->table, number);
-    if (column == NULL)
-        return false;
-    *cell = (bb_printed){column->heading, bb_table_get_number(row->table, row->row, number),
+    char first[16];
+    bb_cell head = bb_table_cell(row->table, row->row);
+    snprintf(first, sizeof first, "%u", table);
+    head.names[BB_MAKER] = first;
+    *cell = (bb_printed){bb_table_get_text(row->table, bb_table_find(row->table, head), text),
+                         bb_table_get_number(row->table, row->row, number),
                          bb_table_get_text(row->table, row->row, text)};
-    return true;
+    return cell->heading[0] != '\0';
 }
 
 /* ---- metrics of trees ---- */

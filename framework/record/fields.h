@@ -239,7 +239,8 @@ FIELD(TRACE_CPU_MS, TRACE, "cpu_ms", "ms", ROUNDS, T(SAMPLES, cpu_ms), AS_FIGURE
       "process time of all threads")
 FIELD(TRACE_RATE, TRACE, "mrays_s", "Mrays/s", DERIVED, LATER, AS_FIGURE, "Mrays/s",
       "million rays per second, by the median wall clock")
-FIELD(TRACE_RATE_GIVEN, TRACE, "mrays_s_given", "", NUMBER, BY(bb_put_given), AS_TEXT, NULL, NULL)
+FIELD(TRACE_RATE_GIVEN, TRACE, "mrays_s_given", "Mrays/s", NUMBER, BY(bb_put_given), AS_TEXT, NULL,
+      NULL)
 FIELD(TRACE_RATE_LO, TRACE, "mrays_s_lo", "Mrays/s", DERIVED, LATER, AS_FIGURE, NULL, NULL)
 FIELD(TRACE_RATE_HI, TRACE, "mrays_s_hi", "Mrays/s", DERIVED, LATER, AS_FIGURE, NULL, NULL)
 FIELD(TRACE_RATE_LEAST, TRACE, "mrays_s_least", "Mrays/s", DERIVED, LATER, AS_FIGURE, NULL, NULL)

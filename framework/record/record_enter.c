@@ -106,6 +106,9 @@ static bb_status put_in_place(bb_results *results, bb_entry *entry)
         return bb_fail(BB_INVALID, "rows[%u] has the names of no sort of row", entry->row);
     if (sort->is_part)
         return join_entry(results, sort, cell, entry);
+    if (cell.names[BB_RUN] != NULL && (sort->section == BB_SCENES || sort->section == BB_STEPS))
+        return bb_fail(BB_INVALID, "rows[%u] is of a run, but scenes and steps are of all runs",
+                       entry->row);
     BB_TRY(find_named(results, sort, cell, entry));
     bb_section_id section = sort->section;
     if (section == BB_MERGED && cell.names[BB_RUN] == NULL) {

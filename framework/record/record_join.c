@@ -122,14 +122,14 @@ static bool aim(void *user, const bb_results *to, const bb_results *from, uint32
     const char *const *names = cell.names;
     if (names[BB_SCENE] == NULL || names[BB_BUILDER] == NULL)
         return bb_results_find(to, cell) == NULL; /* of both: that of the first */
-    const char *run = target->tree_run != NULL ? target->tree_run : names[BB_RUN];
-    const bb_entry *build = bb_results_find(
-        from,
-        (bb_cell){
-            {[BB_RUN] = run, [BB_SCENE] = names[BB_SCENE], [BB_BUILDER] = names[BB_BUILDER]}});
-    const enum fate fate = fate_of(j, build);
-    (void)row;
-    if (names[BB_QUESTION] != NULL) {
+    const bool trace = names[BB_QUESTION] != NULL;
+    if (trace && names[BB_MAKER] != NULL)
+        return true;
+    const bb_cell of = {
+        {[BB_RUN] = names[BB_RUN], [BB_SCENE] = names[BB_SCENE], [BB_BUILDER] = names[BB_BUILDER]}};
+    const enum fate fate =
+        fate_of(j, trace ? from->entries[row]->build : bb_results_find(from, of));
+    if (trace) {
         target->tree_run = fate == GETS_RUN ? j->run : target->tree_run;
         return true;
     }

@@ -11,14 +11,12 @@
 /* Predictions follow from all rows, and steps add up. */
 static bool is_computed(const bb_results *from, uint32_t row)
 {
-    const bb_entry *entry = from->entries[row];
-    bb_each(prediction, bb_results_section(from, BB_PREDICTIONS))
-    {
-        if (prediction == entry)
-            return true;
-    }
-    return bb_get_number(entry, BB_F_STEP_MS) >= 0 || bb_get_number(entry, BB_F_STEP_TIME) >= 0 ||
-           bb_get_number(entry, BB_F_STEP_TIME) < 0;
+    const bb_cell cell = bb_table_cell(from->table, row);
+    const bool step = cell.names[BB_MAKER] != NULL;
+    const bool question = cell.names[BB_QUESTION] != NULL;
+    if (cell.names[BB_SCENE] != NULL || step == question)
+        return false;
+    return step || bb_get_text(from->entries[row], BB_F_PAPER_TITLE)[0] == '\0';
 }
 
 bb_status bb_results_copy(bb_results *to, const bb_results *from, bb_target_fn *aim, void *user)

@@ -38,13 +38,13 @@ bb_status bb_results_add_claim(bb_results *results, const char *paper, const bb_
 }
 
 static const bb_column *printed_column(bb_results *results, const char *paper, uint32_t table,
-                                       uint32_t column, bool text, const char *heading)
+                                       uint32_t column, bool text)
 {
     char name[BB_PRINTED_NAME];
     bb_printed_name(paper, table, column, text, name);
     bb_table_add_column(results->table,
                         (bb_column){.name = name,
-                                    .heading = heading,
+                                    .heading = name,
                                     .unit = "",
                                     .help = "",
                                     .kind = text ? BB_COLUMN_TEXT : BB_COLUMN_NUMBER,
@@ -67,9 +67,12 @@ bb_status bb_results_print_heading(bb_results *results, const char *paper, const
 {
     char number[16];
     snprintf(number, sizeof number, "%u", table);
-    if (printed_row(results, paper, title, number) == NULL)
+    const bb_entry *entry = printed_row(results, paper, title, number);
+    const bb_column *of = printed_column(results, paper, table, column, true);
+    if (entry == NULL)
         return results->status;
-    (void)printed_column(results, paper, table, column, false, heading);
+    if (of != NULL)
+        bb_table_set_text(results->table, entry->row, of, heading);
     return bb_table_status(results->table);
 }
 
@@ -80,7 +83,7 @@ bb_status bb_results_print_cell(bb_results *results, const char *paper, const ch
     char numbers[32];
     snprintf(numbers, sizeof numbers, "%u.%u", table, row);
     const bb_entry *entry = printed_row(results, paper, title, numbers);
-    const bb_column *of = printed_column(results, paper, table, column, text != NULL, "");
+    const bb_column *of = printed_column(results, paper, table, column, text != NULL);
     if (entry == NULL)
         return results->status;
     if (of == NULL)

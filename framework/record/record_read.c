@@ -24,9 +24,14 @@ bb_status bb_results_write(const bb_results *results, const char *path)
 static bb_status check_column(const bb_table *table, const bb_column *expected)
 {
     const bb_column *column = bb_table_column_named(table, expected->name);
-    return column == NULL || column->kind == expected->kind
+    if (column != NULL && column->kind != expected->kind)
+        return bb_fail(BB_INVALID, "the column \"%s\" is of the wrong kind", expected->name);
+    const bool timed = expected->sense == BB_SENSE_TIMED;
+    return column == NULL || !timed ||
+                   (column->sense == BB_SENSE_TIMED && strcmp(column->unit, expected->unit) == 0)
                ? BB_OK
-               : bb_fail(BB_INVALID, "the column \"%s\" is of the wrong kind", expected->name);
+               : bb_fail(BB_INVALID, "the column \"%s\" is not of times in %s", expected->name,
+                         expected->unit);
 }
 
 static bb_status check_columns(const bb_table *table)
