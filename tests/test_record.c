@@ -297,6 +297,15 @@ static void times_add_up(void **state)
     for (size_t i = 0; i < sizeof expected / sizeof expected[0]; i++)
         assert_true(member(times, expected[i].name)->valuedouble == expected[i].ms);
     assert_int_equal(cJSON_GetArraySize(times), 5);
+    /* steps that overlap leave less than nothing, which is read back */
+    bb_results *read = NULL;
+    const char *path = results_path("times");
+    assert_int_equal(bb_results_set_total(results, 40, 80, 140), BB_OK);
+    assert_int_equal(bb_results_set_number(results, BB_F_CONTEXT_AUDIT_REST, -10), BB_OK);
+    assert_int_equal(bb_results_write(results, path), BB_OK);
+    assert_int_equal(bb_results_read(path, &read), BB_OK);
+    assert_true(bb_results_time_ms(read, "other") == -10);
+    bb_results_destroy(read);
     bb_results_destroy(results);
 }
 

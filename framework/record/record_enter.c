@@ -3,6 +3,13 @@
 
 #include <stdlib.h>
 
+const bb_field_part bb_section_parts[BB_SECTIONS] = {
+    [BB_SCENES] = BB_IN_SCENE,     [BB_BUILDS] = BB_IN_BUILD,
+    [BB_TRACES] = BB_IN_TRACE,     [BB_SKIPPED] = BB_IN_SKIPPED,
+    [BB_PICTURES] = BB_IN_PICTURE, [BB_PREDICTIONS] = BB_IN_PREDICTION,
+    [BB_PAPERS] = BB_IN_PAPER,     [BB_MERGED] = BB_IN_CONTEXT,
+    [BB_STEPS] = BB_IN_STEP};
+
 enum {
     SCENE = 1 << BB_SCENE,
     FRAME = 1 << BB_FRAME,

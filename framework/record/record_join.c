@@ -36,18 +36,6 @@ static bb_status check_requests(const bb_entry *a, const bb_entry *b)
                                "--out");
 }
 
-static bb_status check_scenes(const bb_results *a, const bb_results *b)
-{
-    bb_each(scene, bb_results_section(b, BB_SCENES))
-    {
-        const bb_entry *known = bb_results_scene(a, bb_get_text(scene, BB_F_SCENE_NAME));
-        if (known != NULL && !bb_same_text(known, scene, BB_F_SCENE_HASH))
-            return bb_fail(BB_INVALID, "scene %s has other geometry in another shard",
-                           bb_get_text(scene, BB_F_SCENE_NAME));
-    }
-    return BB_OK;
-}
-
 /* Returns the entry of the same cell in `results`; NULL: there is none. */
 static const bb_entry *same_cell(const bb_results *results, const bb_entry *entry)
 {
@@ -98,8 +86,9 @@ static bool same_tree(const bb_entry *a, const bb_entry *b)
 /* Rows of one of the shards, of which the other shard is `other`. */
 typedef struct joining {
     const bb_results *other;
-    bool is_first; /* of two builds that nobody measured, the first stays */
-    char run[16];  /* of builds with another tree than the one that stays */
+    bool is_first;   /* of two builds that nobody measured, the first stays */
+    const char *run; /* of builds with another tree than the one that stays */
+    bool traces;     /* these are copied, or all others */
 } joining;
 
 /* What becomes of a build. */
@@ -118,41 +107,25 @@ static bool aim(void *user, const bb_results *to, const bb_results *from, uint32
                 bb_target *target)
 {
     const joining *j = user;
-    const bb_cell cell = target->cell;
-    const char *const *names = cell.names;
-    if (names[BB_SCENE] == NULL || names[BB_BUILDER] == NULL)
-        return bb_results_find(to, cell) == NULL; /* of both: that of the first */
-    const bool trace = names[BB_QUESTION] != NULL;
-    if (trace && names[BB_MAKER] != NULL)
-        return true;
-    const bb_cell of = {
-        {[BB_RUN] = names[BB_RUN], [BB_SCENE] = names[BB_SCENE], [BB_BUILDER] = names[BB_BUILDER]}};
-    const enum fate fate =
-        fate_of(j, trace ? from->entries[row]->build : bb_results_find(from, of));
+    const char **names = target->cell.names;
+    const bool made = names[BB_SCENE] != NULL && names[BB_BUILDER] != NULL;
+    const bool trace = made && names[BB_QUESTION] != NULL;
+    if (trace != j->traces)
+        return false;
+    if (!made)
+        return bb_results_find(to, target->cell) == NULL; /* of both: that of the first */
     if (trace) {
-        target->tree_run = fate == GETS_RUN ? j->run : target->tree_run;
+        const bb_entry *build = from->entries[row]->build; /* NULL: a part of a trace */
+        if (build != NULL && fate_of(j, build) == GETS_RUN)
+            target->tree_run = j->run;
         return true;
     }
+    const bb_cell build = {
+        {[BB_RUN] = names[BB_RUN], [BB_SCENE] = names[BB_SCENE], [BB_BUILDER] = names[BB_BUILDER]}};
+    const enum fate fate = fate_of(j, bb_results_find(from, build));
     if (fate == GETS_RUN)
-        target->cell.names[BB_RUN] = j->run;
+        names[BB_RUN] = j->run;
     return fate != GOES;
-}
-
-/* A trace stands behind its build, which may be of the other shard: builds are copied first. */
-static bool aim_all_but_traces(void *user, const bb_results *to, const bb_results *from,
-                               uint32_t row, bb_target *target)
-{
-    const char *const *names = target->cell.names;
-    const bool trace = names[BB_QUESTION] != NULL && names[BB_BUILDER] != NULL;
-    return !trace && aim(user, to, from, row, target);
-}
-
-static bool aim_traces(void *user, const bb_results *to, const bb_results *from, uint32_t row,
-                       bb_target *target)
-{
-    const char *const *names = target->cell.names;
-    const bool trace = names[BB_QUESTION] != NULL && names[BB_BUILDER] != NULL;
-    return trace && aim(user, to, from, row, target);
 }
 
 /* ---- joining ---- */
@@ -187,14 +160,16 @@ static bb_status join_contexts(bb_entry *context, const bb_entry *other)
 
 static bb_status join_rows(bb_results *sum, const bb_results *a, const bb_results *b)
 {
-    const uint32_t last[2] = {bb_results_new_run(a), bb_results_new_run(b)};
-    joining of_a = {.other = b, .is_first = true}, of_b = {.other = a};
-    bb_run_name(last[last[1] > last[0]], of_a.run);
-    bb_run_name(last[last[1] > last[0]], of_b.run);
-    BB_TRY(bb_results_copy(sum, a, aim_all_but_traces, &of_a));
-    BB_TRY(bb_results_copy(sum, b, aim_all_but_traces, &of_b));
-    BB_TRY(bb_results_copy(sum, a, aim_traces, &of_a));
-    BB_TRY(bb_results_copy(sum, b, aim_traces, &of_b));
+    const uint32_t of_a = bb_results_new_run(a), of_b = bb_results_new_run(b);
+    char run[16];
+    bb_run_name(of_a > of_b ? of_a : of_b, run);
+    for (int traces = 0; traces < 2; traces++) { /* behind their builds, which may be b's */
+        joining j = {.other = b, .is_first = true, .run = run, .traces = traces == 1};
+        BB_TRY(bb_results_copy(sum, a, aim, &j));
+        j.other = a;
+        j.is_first = false;
+        BB_TRY(bb_results_copy(sum, b, aim, &j));
+    }
     BB_TRY(join_contexts(sum->context, b->context));
     BB_TRY(bb_results_add_steps(sum, a));
     BB_TRY(bb_results_add_steps(sum, b));
@@ -206,7 +181,7 @@ bb_status bb_results_join(bb_results *a, const bb_results *b)
     bb_results *sum;
     BB_TRY(check_contexts(a->context, b->context));
     BB_TRY(check_requests(a->context, b->context));
-    BB_TRY(check_scenes(a, b));
+    BB_TRY(bb_results_check_scenes(a, b));
     BB_TRY(check_cells(a, b));
     BB_TRY(bb_results_make(&sum));
     bb_status status = join_rows(sum, a, b);

@@ -116,13 +116,8 @@ static void add_printed(bb_json *json, const bb_entry *paper)
 
 static void add_entry(bb_json *json, const bb_entry *entry, bb_section_id section)
 {
-    static const bb_field_part parts[BB_SECTIONS] = {
-        [BB_SCENES] = BB_IN_SCENE,     [BB_BUILDS] = BB_IN_BUILD,
-        [BB_TRACES] = BB_IN_TRACE,     [BB_SKIPPED] = BB_IN_SKIPPED,
-        [BB_PICTURES] = BB_IN_PICTURE, [BB_PREDICTIONS] = BB_IN_PREDICTION,
-        [BB_PAPERS] = BB_IN_PAPER,     [BB_MERGED] = BB_IN_CONTEXT};
     bb_json_object(json, NULL);
-    add_fields(json, entry, parts[section]);
+    add_fields(json, entry, bb_section_parts[section]);
     if (section == BB_SCENES)
         add_inner(json, "profile", entry, BB_IN_PROFILE);
     if (section == BB_BUILDS && isfinite(bb_get_number(entry, BB_F_TREE_NODES)))

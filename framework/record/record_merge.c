@@ -36,6 +36,22 @@ bb_status bb_results_copy(bb_results *to, const bb_results *from, bb_target_fn *
     return BB_OK;
 }
 
+bb_status bb_results_check_scenes(const bb_results *a, const bb_results *b)
+{
+    bb_each(scene, bb_results_section(b, BB_SCENES))
+    {
+        const char *name = bb_get_text(scene, BB_F_SCENE_NAME);
+        const bb_entry *known = bb_results_scene(a, name);
+        if (known != NULL && !bb_same_text(known, scene, BB_F_SCENE_HASH))
+            return bb_fail(BB_INVALID,
+                           "scene %s has other geometry in the second result file (%s, not %s): "
+                           "make separate reports",
+                           name, bb_get_text(scene, BB_F_SCENE_HASH),
+                           bb_get_text(known, BB_F_SCENE_HASH));
+    }
+    return BB_OK;
+}
+
 bb_status bb_results_add_steps(bb_results *to, const bb_results *from)
 {
     bb_each(step, bb_results_section(from, BB_STEPS))
@@ -59,24 +75,6 @@ bb_status bb_results_add_totals(bb_results *to, const bb_results *a, const bb_re
 }
 
 /* ---- merging ---- */
-
-/* Checks that scenes of one name have one geometry: else speeds on different geometry would be
- * compared. */
-static bb_status check_scenes(const bb_results *a, const bb_results *b)
-{
-    bb_each(scene, bb_results_section(b, BB_SCENES))
-    {
-        const char *name = bb_get_text(scene, BB_F_SCENE_NAME);
-        const bb_entry *known = bb_results_scene(a, name);
-        if (known != NULL && !bb_same_text(known, scene, BB_F_SCENE_HASH))
-            return bb_fail(BB_INVALID,
-                           "scene %s has other geometry in the second result file (%s, not %s): "
-                           "make separate reports",
-                           name, bb_get_text(scene, BB_F_SCENE_HASH),
-                           bb_get_text(known, BB_F_SCENE_HASH));
-    }
-    return BB_OK;
-}
 
 /* Checks that both runs are of one device: else devices would be mixed in one ranking. An external
  * tracer's answers have no device. */
@@ -126,9 +124,11 @@ static bool aim(void *user, const bb_results *to, const bb_results *from, uint32
 bb_status bb_results_merge(bb_results *a, const bb_results *b)
 {
     BB_TRY(check_devices(a, b));
-    BB_TRY(check_scenes(a, b));
+    BB_TRY(bb_results_check_scenes(a, b));
     bb_results_clear_predictions(a);
     numbering n = {.first = bb_results_new_run(a)};
+    if (n.first + bb_results_new_run(b) - 1 > BB_RUNS_MAX)
+        return bb_fail(BB_INVALID, "more than %d runs cannot be put together", BB_RUNS_MAX);
     BB_TRY(bb_results_copy(a, b, aim, &n));
     BB_TRY(bb_results_add_steps(a, b));
     return bb_results_add_totals(a, a, b);

@@ -19,13 +19,18 @@ struct bb_entry {
 
 struct bb_results {
     bb_table *table;
-    bb_entry **entries; /* by row; NULL: a row of no sort that is known */
+    bb_entry **entries; /* by row */
     uint32_t entry_count, entry_room;
     bb_entry *context;
     bb_section sections[BB_SECTIONS];
     uint32_t run;     /* of the builds and traces that are added */
     bb_status status; /* of the first entry that could not be added */
 };
+
+enum { BB_RUNS_MAX = 1000000 };
+
+/* The part whose fields the entries of a section have. */
+extern const bb_field_part bb_section_parts[BB_SECTIONS];
 
 /* Empty results, without a context. */
 bb_status bb_results_make(bb_results **out);
@@ -75,6 +80,8 @@ void bb_put_tree(bb_results *results, bb_entry *entry, const bb_build_record *bu
  * hash. */
 void bb_put_missing_key(bb_entry *trace);
 
+/* BB_INVALID if scenes of one name have two geometries: else speeds on these would be compared. */
+bb_status bb_results_check_scenes(const bb_results *a, const bb_results *b);
 /* Where a row is copied when results are put together. */
 typedef struct bb_target {
     bb_cell cell;

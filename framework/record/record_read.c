@@ -7,11 +7,10 @@
 
 #include "framework/base/number.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-
-enum { RUNS_MAX = 1000000 };
 
 bb_status bb_results_write(const bb_results *results, const char *path)
 {
@@ -46,30 +45,71 @@ static bb_status check_columns(const bb_table *table)
     return BB_OK;
 }
 
-/* Times and rates. */
-static bool is_negative(const bb_table *table, uint32_t row, const bb_column *column)
+/* ---- values ---- */
+
+/* Returns the most that a number of the field may be; all but rests of times are at least 0. */
+static double most_of(const bb_field *field)
 {
-    const bb_samples *rounds = bb_table_get_rounds(table, row, column->name);
-    if (column->sense != BB_SENSE_TIMED)
-        return false;
-    for (uint32_t i = 0; rounds != NULL && i < rounds->count; i++)
-        if (rounds->values[i] < 0)
-            return true;
-    return bb_table_get_number(table, row, column->name) < 0;
+    const bool whole = field->format == BB_AS_WHOLE || field->format == BB_AS_BYTES;
+    return strcmp(field->unit, "ppm") == 0 ? 1e6 : whole ? 0x1p53 : DBL_MAX;
 }
 
-/* ---- rows ---- */
-
-static bb_status check_times(const bb_table *table)
+/* What is wrong with a number; NULL: nothing. */
+static const char *fault_of(const bb_field *field, double value)
 {
-    for (uint32_t c = 0; c < bb_table_column_count(table); c++) {
-        const bb_column *column = bb_table_column(table, c);
-        for (uint32_t row = 0; row < bb_table_row_count(table); row++)
-            if (is_negative(table, row, column))
-                return bb_fail(BB_INVALID, "rows[%u]: \"%s\" is negative", row, column->name);
+    const bool any = (field->kind & BB_FIELD_SIGNED) != 0 ||
+                     (field->format == BB_AS_FIGURE && field->unit[0] == '\0');
+    return any || isnan(value)      ? NULL
+           : value < 0              ? "negative"
+           : value > most_of(field) ? "too large"
+                                    : NULL;
+}
+
+static const char *fault_at(const bb_table *table, uint32_t row, const bb_field *field)
+{
+    const bb_samples *rounds = bb_table_get_rounds(table, row, field->name);
+    const char *fault = fault_of(field, bb_table_get_number(table, row, field->name));
+    for (uint32_t i = 0; rounds != NULL && i < rounds->count && fault == NULL; i++)
+        fault = fault_of(field, rounds->values[i]);
+    return fault;
+}
+
+static bool is_word(const bb_field *field, const char *text)
+{
+    static const bb_status words[] = {BB_OK, BB_REFUSED, BB_UNSUPPORTED, BB_FAILED};
+    if ((field->kind & BB_FIELD_FLAG) != 0)
+        return text[0] == '\0' || strcmp(text, "yes") == 0 || strcmp(text, "no") == 0;
+    bool status = strcmp(field->name, bb_fields[BB_F_BUILD_STATUS].name) != 0 || text[0] == '\0';
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
+        status = status || strcmp(text, bb_status_word(words[i])) == 0;
+    return status;
+}
+
+/* Checks the values of a column that the field describes. */
+static bb_status check_values(const bb_table *table, const bb_field *field)
+{
+    for (uint32_t row = 0; row < bb_table_row_count(table); row++) {
+        const char *fault = fault_at(table, row, field);
+        const char *text = bb_table_get_text(table, row, field->name);
+        if (fault != NULL)
+            return bb_fail(BB_INVALID, "rows[%u]: \"%s\" is %s", row, field->name, fault);
+        if (!is_word(field, text))
+            return bb_fail(BB_INVALID, "rows[%u]: \"%s\" is '%.40s', which is none of its words",
+                           row, field->name, text);
     }
     return BB_OK;
 }
+
+static bb_status check_all_values(const bb_table *table)
+{
+    for (int id = 0; id < BB_FIELDS; id++)
+        if (bb_field_column((bb_field_id)id) != NULL &&
+            bb_table_column_named(table, bb_fields[id].name) != NULL)
+            BB_TRY(check_values(table, &bb_fields[id]));
+    return BB_OK;
+}
+
+/* ---- rows ---- */
 
 /* Checks that all entries of a section have the fields that each needs. */
 static bb_status check_needed(const bb_section *section, bb_field_part part)
@@ -97,22 +137,16 @@ static bb_status check_run(const bb_table *table, uint32_t row)
     char canonical[16];
     uint64_t number;
     const char *run = bb_table_name(table, row, BB_RUN);
-    const bool ok = bb_read_whole(run, &number) && number > 0 && number <= RUNS_MAX &&
+    const bool ok = bb_read_whole(run, &number) && number > 0 && number <= BB_RUNS_MAX &&
                     strcmp(run, bb_run_name((uint32_t)number, canonical)) == 0;
     return run[0] == '\0' || ok
                ? BB_OK
                : bb_fail(BB_INVALID, "rows[%u]: the run '%.40s' is no number from 1 to %d", row,
-                         run, RUNS_MAX);
+                         run, BB_RUNS_MAX);
 }
 
 static bb_status check_rows(bb_results *results)
 {
-    static const bb_field_part parts[BB_SECTIONS] = {
-        [BB_SCENES] = BB_IN_SCENE,     [BB_BUILDS] = BB_IN_BUILD,
-        [BB_TRACES] = BB_IN_TRACE,     [BB_SKIPPED] = BB_IN_SKIPPED,
-        [BB_PICTURES] = BB_IN_PICTURE, [BB_PREDICTIONS] = BB_IN_PREDICTION,
-        [BB_PAPERS] = BB_IN_PAPER,     [BB_MERGED] = BB_IN_CONTEXT,
-        [BB_STEPS] = BB_IN_STEP};
     for (uint32_t row = 0; row < bb_table_row_count(results->table); row++) {
         BB_TRY(check_run(results->table, row));
         BB_TRY(bb_results_enter(results, row));
@@ -120,8 +154,8 @@ static bb_status check_rows(bb_results *results)
     if (results->context == NULL)
         return bb_fail(BB_INVALID, "there is no row without names, of the context");
     for (int s = 0; s < BB_SECTIONS; s++)
-        BB_TRY(check_needed(&results->sections[s], parts[s]));
-    return check_times(results->table);
+        BB_TRY(check_needed(&results->sections[s], bb_section_parts[s]));
+    return check_all_values(results->table);
 }
 
 static bb_status take_table(bb_results *results, bb_table *table)

@@ -15,6 +15,7 @@ enum {
     DERIVED = BB_FIELD_DERIVED,
     PARTS = BB_FIELD_PARTS,
     NEEDED = BB_FIELD_NEEDED,
+    SIGNED = BB_FIELD_SIGNED,
 };
 #define NAME(dimension) (BB_FIELD_NAME | BB_##dimension << BB_FIELD_DIMENSION)
 
