@@ -174,6 +174,23 @@ static void several_files_are_one_record(void **state)
     assert_true(cJSON_GetNumberValue(
                     cJSON_GetObjectItem(trace_of(json, "outside", "back"), "mrays_s")) == 2);
     cJSON_Delete(json);
+    /* the same name and view from another seed: of a run of its own, with its tracer */
+    expect(0, "rays --scene cube --rays ao --max-rays 500 --seed 2 --out m3.rays", "any hit");
+    trace("m3.rays m3.hits");
+    expect(0,
+           "judge --scene cube --rays-file m2.rays,m3.rays,m0.rays --hits m2.hits,m3.hits,m0.hits "
+           "--mrays-s 1,2,3 --out seeds",
+           "ao, any hit");
+    json = read_results("seeds/results.json");
+    assert_int_equal(cJSON_GetArraySize(cJSON_GetObjectItem(json, "builds")), 2);
+    const cJSON *rows = cJSON_GetObjectItem(json, "traces");
+    assert_int_equal(cJSON_GetArraySize(rows), 3);
+    for (int i = 0; i < 3; i++) {
+        const cJSON *row = cJSON_GetArrayItem(rows, i);
+        assert_true(cJSON_GetNumberValue(cJSON_GetObjectItem(row, "mrays_s")) == i + 1);
+        assert_true(cJSON_GetNumberValue(cJSON_GetObjectItem(row, "run")) == (i > 0));
+    }
+    cJSON_Delete(json);
     refuses("", "judge --scene cube --rays-file m0.rays,m1.rays --hits m0.hits",
             "same number of both");
     refuses("", "judge --scene cube --rays-file m0.rays,m0.rays --hits m0.hits,m0.hits",

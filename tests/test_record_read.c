@@ -313,6 +313,38 @@ static void merging_numbers_runs(void **state)
     bb_results_destroy(a);
 }
 
+/* Tables of one paper in two files may have other columns. */
+static void merged_papers_keep_their_headings(void **state)
+{
+    (void)state;
+    static const char *const headings[2][3] = {{"scene", "cube", "spheres"}, {"scene", "boards"}};
+    bb_results *both[2];
+    for (int r = 0; r < 2; r++) {
+        assert_int_equal(bb_results_create(&(bb_context){NULL, 1, "test"}, &both[r]), BB_OK);
+        assert_int_equal(bb_results_add_paper(both[r], "emc", "codes"), BB_OK);
+        for (uint32_t i = 0; i < 3 && headings[r][i] != NULL; i++) {
+            assert_int_equal(
+                bb_results_print_heading(both[r], "emc", "Table 2", 1, i, headings[r][i]), BB_OK);
+            assert_int_equal(bb_results_print_cell(both[r], "emc", "Table 2", 1, 1, i,
+                                                   i == 0 ? "lbvh" : NULL, 10 * r + (int)i),
+                             BB_OK);
+        }
+    }
+    assert_int_equal(bb_results_merge(both[0], both[1]), BB_OK);
+    const cJSON *papers = section(both[0], "reproductions");
+    for (int r = 0; r < 2; r++) {
+        const cJSON *table = member(cJSON_GetArrayItem(papers, r), "tables")->child;
+        const cJSON *names = member(table, "columns"), *row = member(table, "rows")->child;
+        assert_int_equal(cJSON_GetArraySize(names), 3 - r);
+        assert_int_equal(cJSON_GetArraySize(row), 3 - r);
+        for (int i = 0; i < 3 - r; i++)
+            assert_string_equal(cJSON_GetArrayItem(names, i)->valuestring, headings[r][i]);
+        assert_true(cJSON_GetArrayItem(row, 1)->valuedouble == 10 * r + 1);
+        bb_results_destroy(r == 1 ? both[1] : NULL);
+    }
+    bb_results_destroy(both[0]);
+}
+
 /* Of a run without a total there is none after merging; reproductions are those of the other. */
 static void merging_takes_files_without_totals(void **state)
 {
@@ -382,6 +414,7 @@ int main(void)
         cmocka_unit_test(other_files_are_named),
         cmocka_unit_test(deep_nesting_is_refused),
         cmocka_unit_test(merging_numbers_runs),
+        cmocka_unit_test(merged_papers_keep_their_headings),
         cmocka_unit_test(merging_takes_files_without_totals),
         cmocka_unit_test(the_first_ray_waits_for_what_adds_up),
         cmocka_unit_test(merging_refuses_other_geometry),

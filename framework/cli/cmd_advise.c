@@ -194,16 +194,15 @@ static bb_status advise_in_folder(advising *a, int *exit_status)
 }
 
 /* The advice comes last, so that it stays on the screen. */
-static bb_status answer(advising *a, bb_status status)
+static bb_status answer(advising *a, bb_status status, bool *blamed)
 {
-    bool wrong;
     const bool advised = a->output.table != NULL && bb_table_row_count(a->output.table) > 1;
     if (status == BB_OK && !advised)
         fprintf(stderr, "bvhbench: interrupted: there is no advice\n");
     else if (status == BB_OK)
         status = bb_contest_output_scene(&a->output);
     /* in a folder, bb_output_compare() has said what clocks are wrong */
-    return bb_contest_output_end(&a->output, status, a->choice.out == NULL ? &wrong : NULL);
+    return bb_contest_output_end(&a->output, status, a->choice.out == NULL ? blamed : NULL);
 }
 
 static bb_status run(const bb_cli *cli, void *values, int *exit_status)
@@ -219,9 +218,11 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
                                     .choice = &a->choice,
                                     .command_line = cli->command_line};
     BB_TRY(fill_request(a));
-    BB_TRY(answer(a, a->choice.out != NULL ? advise_in_folder(a, exit_status)
-                                           : advise_alone(a, exit_status)));
-    if (*exit_status == BB_EXIT_OK && !a->found)
+    bool blamed = false;
+    const bb_status status =
+        a->choice.out != NULL ? advise_in_folder(a, exit_status) : advise_alone(a, exit_status);
+    BB_TRY(answer(a, status, &blamed));
+    if (*exit_status == BB_EXIT_OK && (!a->found || blamed))
         *exit_status = BB_EXIT_WRONG;
     return BB_OK;
 }
@@ -240,14 +241,16 @@ const bb_command bb_command_advise = {
     .name = "advise",
     .summary =
         "find the least configuration for a scene: builder, code, kernel, stack, intersector",
-    .details = "Measures configurations and drops early those that are certainly too slow. Among "
-               "those that are\n"
-               "accurate enough and within 5 % of the fastest, it chooses the one with the least "
-               "memory, then with\n"
-               "the fewest bits of the code, stack entries and kinds of primitives. It shows the "
-               "cost of generous\n"
-               "settings, and the command that measures the choice again.\n"
-               "Exit status 1: no configuration is within --max-wrong-ppm.",
+    .details =
+        "Measures configurations and drops early those that are certainly too slow. Among "
+        "those that are\n"
+        "accurate enough and within 5 % of the fastest, it chooses the one with the least "
+        "memory, then with\n"
+        "the fewest bits of the code, stack entries and kinds of primitives. It shows the "
+        "cost of generous\n"
+        "settings, and the command that measures the choice again.\n"
+        "Exit status 1: no configuration is within --max-wrong-ppm, or clocks contradict each "
+        "other.",
     .options = options,
     .bytes = sizeof(advising),
     .run = run,

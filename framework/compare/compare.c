@@ -346,11 +346,13 @@ bb_status bb_compare(const bb_side *before, const bb_side *after, double thresho
     bool host;
     BB_TRY(bb_side_check(before));
     BB_TRY(bb_side_check(after));
+    const char *nameless = "a device without a name";
     if (!bb_same_device(a, b))
         return bb_fail(BB_INVALID,
                        "%s was measured on %s, %s on %s: cells of two devices are not compared: "
                        "measure both on one (--device)",
-                       a->what, a->device, b->what, b->device);
+                       a->what, a->device[0] != '\0' ? a->device : nameless, b->what,
+                       b->device[0] != '\0' ? b->device : nameless);
     result->pairs = before->count > 1;
     result->machines_differ = !bb_same_machine(a, b, &host);
     result->hosts_differ = !host;

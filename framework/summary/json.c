@@ -1,4 +1,4 @@
-/* Summaries for the page, of the whole document and of each choice of a scene and of rays. */
+/* Summaries for the page, of all results and of each choice of a scene and of rays. */
 #include "framework/base/json.h"
 #include "framework/summary/prediction.h"
 #include "framework/summary/summary_private.h"
