@@ -70,7 +70,7 @@ static inline void history_add(const char *path, const char *revision, const cha
     bb_history *history;
     bb_results *results = history_run(revision, host, date, change, seed);
     ASSERT_OK(bb_history_open(path, true, &history));
-    ASSERT_OK(bb_history_append(history, results));
+    ASSERT_OK(bb_history_append(history, bb_results_table(results)));
     bb_history_close(history);
     bb_results_destroy(results);
 }

@@ -73,8 +73,8 @@ static bb_comparison_result compare_with(edit_fn *edit, char *text, size_t capac
         results[k] = history_run("one", "here", "2024-01-01T00:00:00Z", nothing, (uint64_t)k + 1);
     }
     edit(results[1]);
-    ASSERT_OK(bb_cell_set_of_results(results[0], "OLD", &sets[0]));
-    ASSERT_OK(bb_cell_set_of_results(results[1], "NEW", &sets[1]));
+    ASSERT_OK(bb_cell_set_of_table(bb_results_table(results[0]), "OLD", &sets[0]));
+    ASSERT_OK(bb_cell_set_of_table(bb_results_table(results[1]), "NEW", &sets[1]));
     ASSERT_OK(bb_compare(&(bb_side){&sets[0], 1}, &(bb_side){&sets[1], 1}, NAN, NULL, &result));
     FILE *out = fmemopen(text, capacity, "w");
     assert_non_null(out);
@@ -280,7 +280,8 @@ static void cells_of_two_devices_do_not_meet(void **state)
             runs[k] = run;
             set_context(run, BB_F_CONTEXT_DEVICE_TYPE, cases[i].types[k]);
             set_context(run, BB_F_CONTEXT_DEVICE, cases[i].names[k]);
-            ASSERT_OK(bb_cell_set_of_results(run, k == 0 ? "OLD" : "NEW", &sets[k]));
+            ASSERT_OK(
+                bb_cell_set_of_table(bb_results_table(run), k == 0 ? "OLD" : "NEW", &sets[k]));
         }
         /* nor do they stand in one report */
         assert_int_equal(bb_results_merge(runs[0], runs[1]), cases[i].meet ? BB_OK : BB_INVALID);
@@ -373,7 +374,8 @@ static bb_status compare_pairs(edit_fn *edit, int side, uint32_t number,
             if (k == side && i == number)
                 edit(r);
             bb_cell_set_free(&sets[k][i]);
-            ASSERT_OK(bb_cell_set_of_results(r, k == 0 ? "OLD" : "NEW", &sets[k][i]));
+            ASSERT_OK(
+                bb_cell_set_of_table(bb_results_table(r), k == 0 ? "OLD" : "NEW", &sets[k][i]));
             bb_results_destroy(r);
         }
     bb_status status =
@@ -447,7 +449,7 @@ static void senses_of_figures(void **state)
                                           "prims", "t_ulp_max", "no such figure"};
     bb_cell_set set;
     bb_results *results = history_run("one", "here", "2024-01-01T00:00:00Z", nothing, 1);
-    ASSERT_OK(bb_cell_set_of_results(results, "it", &set));
+    ASSERT_OK(bb_cell_set_of_table(bb_results_table(results), "it", &set));
     uint32_t found[sizeof costs / sizeof costs[0]] = {0};
     for (uint32_t c = 0; c < set.count; c++) {
         for (size_t i = 0; i < sizeof costs / sizeof costs[0]; i++)

@@ -18,7 +18,7 @@ static const bb_column waited_ms = COLUMN("waited_ms", "waited", "ms", NUMBER, T
 static const bb_column nodes = COLUMN("nodes", "nodes", "", NUMBER, EXACT, NEITHER);
 static const bb_column differ = COLUMN("differ", "differ", "voxels", NUMBER, EXACT, LESS);
 static const bb_column found = COLUMN("found", "found", "", NUMBER, EXACT, MORE);
-static const bb_column scene_hash = COLUMN("scene_hash", "hash", "", TEXT, EXACT, NEITHER);
+static const bb_column scene_hash = COLUMN("hash", "hash", "", TEXT, EXACT, NEITHER);
 static const bb_column status = COLUMN("status", "status", "", TEXT, EXACT, NEITHER);
 
 enum { ROUNDS = 20 };
@@ -121,7 +121,7 @@ static void the_history_keeps_tables(void **state)
     remove(path);
     ASSERT_OK(bb_cell_set_of_table(table, "it", &wanted));
     ASSERT_OK(bb_history_open(path, true, &history));
-    ASSERT_OK(bb_history_append_table(history, table));
+    ASSERT_OK(bb_history_append(history, table));
     ASSERT_OK(bb_history_find(history, wanted.origin.revision, NULL, &entry, &others));
     ASSERT_OK(bb_history_set(history, &entry, &kept));
     assert_int_equal(kept.count, wanted.count);

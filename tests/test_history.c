@@ -72,9 +72,9 @@ static void what_is_appended_comes_back(void **state)
     bb_history_entry entry;
     bb_cell_set wanted, found;
     uint32_t others;
-    ASSERT_OK(bb_cell_set_of_results(results, "it", &wanted));
+    ASSERT_OK(bb_cell_set_of_table(bb_results_table(results), "it", &wanted));
     ASSERT_OK(bb_history_open(path, true, &history));
-    ASSERT_OK(bb_history_append(history, results));
+    ASSERT_OK(bb_history_append(history, bb_results_table(results)));
     ASSERT_OK(bb_history_find(history, "feed", NULL, &entry, &others));
     ASSERT_OK(bb_history_set(history, &entry, &found));
     assert_int_equal(found.count, wanted.count);

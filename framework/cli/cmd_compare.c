@@ -85,25 +85,13 @@ static bb_status report(inputs *in, const bb_floor *floor, int *exit_status)
 
 /* ---- files and revisions ---- */
 
-static bb_status read_table(const char *path, const char *argument, bb_cell_set *set)
-{
-    bb_table *table = NULL;
-    BB_TRY(bb_table_read(path, &table));
-    bb_status status = bb_cell_set_of_table(table, argument, set);
-    bb_table_free(table);
-    return status;
-}
-
 static bb_status read_file(const char *argument, bb_cell_set *set)
 {
-    char path[PATH_MAX];
-    bb_results *results = NULL;
-    BB_TRY(bb_input_path(argument, path));
-    if (bb_table_is_other(path, "run"))
-        return read_table(path, argument, set);
-    BB_TRY(bb_results_read(path, &results));
-    bb_status status = bb_cell_set_of_results(results, argument, set);
-    bb_results_destroy(results);
+    bb_table_file file;
+    bb_status status = bb_table_file_read(argument, &file);
+    if (status == BB_OK)
+        status = bb_cell_set_of_table(file.table, argument, set);
+    bb_table_file_free(&file);
     return status;
 }
 

@@ -152,7 +152,7 @@ static bb_status merge(const bb_cli *cli, merging *m)
     BB_TRY(bb_report_verdict(parts[0].results, stdout));
     if (m->out != NULL)
         BB_TRY(write_folder(parts, m->count, m->out));
-    return m->history != NULL ? bb_output_append(m->history, parts[0].results) : BB_OK;
+    return bb_output_append(m->history, bb_results_table(parts[0].results));
 }
 
 /* A table has no shards, so it can only be appended to a history. */
@@ -163,7 +163,7 @@ static bb_status append_table(const merging *m, const char *path)
         return bb_fail(BB_INVALID,
                        "merge: %.200s is a table, which has no shards: give --history alone", path);
     BB_TRY(bb_table_read(path, &table));
-    bb_status status = bb_output_append_table(m->history, table);
+    bb_status status = bb_output_append(m->history, table);
     bb_table_free(table);
     return status;
 }

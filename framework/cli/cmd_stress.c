@@ -145,8 +145,8 @@ static bb_status write_all(const bb_cli *cli, const char *history, const bb_stre
     snprintf(path, sizeof path, "%s/stress.html", stress->request->folder);
     if (status == BB_OK)
         status = bb_report_atlas(atlas, stress->request->folder, path);
-    if (status == BB_OK && history != NULL)
-        status = bb_output_append_table(history, atlas);
+    if (status == BB_OK)
+        status = bb_output_append(history, atlas);
     bb_table_free(atlas);
     return status;
 }
@@ -189,8 +189,7 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
     r->user = &w->device;
     BB_TRY(bb_stress_check(r));
     BB_TRY(bb_out_folder(r->folder));
-    if (w->history != NULL)
-        BB_TRY(bb_output_append_table(w->history, NULL));
+    BB_TRY(bb_output_append(w->history, NULL));
     return stress(cli, w->history, r, exit_status);
 }
 

@@ -23,8 +23,7 @@ void bb_contest_take_names(const bb_names *builders, const bb_names *searches,
 bb_status bb_contest_output_begin(bb_contest_output *output, const bb_device *device, uint64_t seed)
 {
     bb_bystanders_start(&output->watch);
-    if (output->choice->history != NULL)
-        BB_TRY(bb_output_append_table(output->choice->history, NULL));
+    BB_TRY(bb_output_append(output->choice->history, NULL));
     BB_TRY(bb_table_create(output->outline->command, &output->table));
     bb_run_row(output->table, device, seed, output->command_line);
     return bb_table_status(output->table);
@@ -117,8 +116,8 @@ bb_status bb_contest_output_end(bb_contest_output *output, bb_status status, boo
     char why[1024], kept[320] = "";
     snprintf(why, sizeof why, "%s", status != BB_OK ? bb_message() : "");
     bb_status written = write_all(output);
-    if (status == BB_OK && written == BB_OK && output->choice->history != NULL)
-        written = bb_output_append_table(output->choice->history, output->table);
+    if (status == BB_OK && written == BB_OK)
+        written = bb_output_append(output->choice->history, output->table);
     if (status != BB_OK && written == BB_OK && any_measured(output) && output->choice->out != NULL)
         snprintf(kept, sizeof kept, " (what was measured is in %.200s/%s.json)",
                  output->choice->out, output->outline->command);

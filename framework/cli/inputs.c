@@ -20,6 +20,27 @@ bb_status bb_input_path(const char *argument, char path[PATH_MAX])
     return BB_OK;
 }
 
+bb_status bb_table_file_read(const char *argument, bb_table_file *file)
+{
+    char path[PATH_MAX];
+    *file = (bb_table_file){NULL};
+    BB_TRY(bb_input_path(argument, path));
+    if (bb_table_is_other(path, "run")) {
+        BB_TRY(bb_table_read(path, &file->other));
+        file->table = file->other;
+    } else {
+        BB_TRY(bb_results_read(path, &file->results));
+        file->table = bb_results_table(file->results);
+    }
+    return BB_OK;
+}
+
+void bb_table_file_free(bb_table_file *file)
+{
+    bb_results_destroy(file->results);
+    bb_table_free(file->other);
+}
+
 bb_status bb_inputs_once(const bb_cli *cli)
 {
     for (uint32_t i = 0; i < cli->positional_count; i++)

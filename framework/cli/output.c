@@ -99,22 +99,12 @@ static bb_status print(const bb_comparison *c, bb_results *results, const places
     return BB_OK;
 }
 
-bb_status bb_output_append(const char *database, const bb_results *results)
+bb_status bb_output_append(const char *database, const bb_table *table)
 {
     bb_history *history = NULL;
-    bb_status status = bb_history_open(database, true, &history);
-    if (status == BB_OK)
-        status = bb_history_append(history, results);
-    bb_history_close(history);
-    return status;
-}
-
-bb_status bb_output_append_table(const char *database, const bb_table *table)
-{
-    bb_history *history = NULL;
-    bb_status status = bb_history_open(database, true, &history);
-    if (status == BB_OK && table != NULL)
-        status = bb_history_append_table(history, table);
+    bb_status status = database != NULL ? bb_history_open(database, true, &history) : BB_OK;
+    if (status == BB_OK && history != NULL && table != NULL)
+        status = bb_history_append(history, table);
     bb_history_close(history);
     return status;
 }
@@ -123,7 +113,7 @@ bb_status bb_output_append_table(const char *database, const bb_table *table)
  * later if this fails. */
 static bb_status append_history(const bb_comparison *c, const bb_results *results, const char *json)
 {
-    bb_status status = c->history != NULL ? bb_output_append(c->history, results) : BB_OK;
+    bb_status status = bb_output_append(c->history, bb_results_table(results));
     return status == BB_OK ? BB_OK
                            : bb_fail(status,
                                      "%.700s (the results are in %.200s: bvhbench merge %.80s "
@@ -245,20 +235,11 @@ static bb_status compare(const bb_comparison *c, bb_device *device, int *exit_st
     return status;
 }
 
-/* Finds out before the work whether the history can be written. */
-static bb_status try_history(const char *path)
-{
-    bb_history *history = NULL;
-    bb_status status = path != NULL ? bb_history_open(path, true, &history) : BB_OK;
-    bb_history_close(history);
-    return status;
-}
-
 bb_status bb_output_compare(const bb_comparison *comparison, int *exit_status)
 {
     bb_device *device = NULL;
     BB_TRY(bb_out_folder(comparison->folder)); /* the history may be in this folder */
-    BB_TRY(try_history(comparison->history));
+    BB_TRY(bb_output_append(comparison->history, NULL));
     bb_interrupt_catch();
     bb_status status = bb_open_device(comparison->device, &device);
     if (status == BB_OK) {

@@ -30,10 +30,9 @@ typedef struct bb_comparison {
  * and the message says where. A chart that cannot be drawn is reported when all else is done. */
 bb_status bb_output_compare(const bb_comparison *comparison, int *exit_status);
 
-/* Appends the run to the database, which is made if there is none. */
-bb_status bb_output_append(const char *database, const bb_results *results);
-/* The same of a table; NULL: it only finds out whether the history can be written. */
-bb_status bb_output_append_table(const char *database, const bb_table *table);
+/* Appends a table to the database, which is made if there is none. NULL stands for no database, and
+ * a table that is NULL only finds out whether the database can be written. */
+bb_status bb_output_append(const char *database, const bb_table *table);
 
 #define BB_HISTORY_OPTION(type, member)                                                            \
     {                                                                                              \

@@ -65,7 +65,72 @@ bb_better bb_measured_better(const bb_measured *cell, const char *name)
     return figure != NULL ? figure->better : BB_BETTER_NEITHER;
 }
 
-/* ---- from results ---- */
+/* ---- from a table ---- */
+
+static void copy(char *to, size_t capacity, const char *text)
+{
+    snprintf(to, capacity, "%s", text);
+}
+
+/* Writes what the run says of itself. */
+static void read_origin(const bb_table *from, const char *what, bb_origin *origin)
+{
+    const uint32_t run = bb_table_find(from, (bb_cell){{NULL}});
+    copy(origin->what, sizeof origin->what, what);
+    copy(origin->date, sizeof origin->date, bb_table_get_text(from, run, "date"));
+    copy(origin->revision, sizeof origin->revision, bb_table_get_text(from, run, "revision"));
+    copy(origin->host, sizeof origin->host, bb_table_get_text(from, run, "host"));
+    copy(origin->cpu, sizeof origin->cpu, bb_table_get_text(from, run, "cpu"));
+    copy(origin->device, sizeof origin->device, bb_table_get_text(from, run, "device"));
+    copy(origin->device_type, sizeof origin->device_type,
+         bb_table_get_text(from, run, "device_type"));
+    copy(origin->driver, sizeof origin->driver, bb_table_get_text(from, run, "driver"));
+    copy(origin->embree, sizeof origin->embree, bb_table_get_text(from, run, "embree_version"));
+    copy(origin->seed, sizeof origin->seed, bb_table_get_text(from, run, "seed"));
+    copy(origin->shard, sizeof origin->shard, bb_table_get_text(from, run, "shard"));
+    origin->interrupted = strcmp(bb_table_get_text(from, run, "interrupted"), "yes") == 0;
+}
+
+/* A row of a table whose cells go into a set. */
+typedef struct source {
+    bb_cell_set *set;
+    const bb_table *table;
+    uint32_t row;
+} source;
+
+static const char *text_of(const source *s, uint32_t row, bb_field_id field)
+{
+    return bb_table_get_text(s->table, row, bb_fields[field].name);
+}
+
+static uint32_t scene_of(const source *s)
+{
+    const bb_cell scene = {{[BB_SCENE] = bb_table_name(s->table, s->row, BB_SCENE)}};
+    return bb_table_find(s->table, scene);
+}
+
+/* Adds a cell for the row, with the rounds of the column `timed`, which are called `time`; NULL:
+ * none. */
+static bb_status add_cell(const source *s, const char *key, const char *timed, const char *time,
+                          bb_measured **out)
+{
+    bb_measured *cell;
+    const char *status = text_of(s, s->row, BB_F_TRACE_STATUS);
+    const bb_samples *rounds = timed != NULL ? bb_table_get_rounds(s->table, s->row, timed) : NULL;
+    BB_TRY(bb_cell_set_add(s->set, key, &cell));
+    cell->place = s->row;
+    copy(cell->time, sizeof cell->time, time);
+    cell->reference = strcmp(text_of(s, s->row, BB_F_TRACE_REFERENCE), "yes") == 0;
+    copy(cell->status, sizeof cell->status, status[0] != '\0' ? status : "ok");
+    copy(cell->scene_hash, sizeof cell->scene_hash, text_of(s, scene_of(s), BB_F_SCENE_HASH));
+    copy(cell->rays_hash, sizeof cell->rays_hash, text_of(s, s->row, BB_F_TRACE_RAYS_HASH));
+    for (uint32_t i = 0; rounds != NULL && i < rounds->count; i++)
+        bb_samples_add(&cell->ms, rounds->values[i]);
+    *out = cell;
+    return BB_OK;
+}
+
+/* ---- rows of `run`, which have keys ---- */
 
 static const bb_field_id of_builds[] = {BB_F_TREE_NODES,     BB_F_TREE_LEAVES, BB_F_TREE_REFS,
                                         BB_F_TREE_ARITY,     BB_F_TREE_DEPTH,  BB_F_TREE_BYTES,
@@ -76,175 +141,138 @@ static const bb_field_id of_traces[] = {
     BB_F_ACCURACY_FALSE,      BB_F_ACCURACY_WRONG_T,   BB_F_ACCURACY_UNWRITTEN,
     BB_F_ACCURACY_OVERFLOWED, BB_F_ACCURACY_T_ULP_MAX, BB_F_ACCURACY_CHECKED};
 
-static bb_status add_fields(bb_measured *cell, const bb_entry *entry, const bb_field_id *fields,
-                            size_t count)
+/* Adds the row's number of the column `column`, if there is one, under a name. */
+static bb_status add_number(const source *s, uint32_t row, const char *column, const char *name,
+                            bb_better better, bb_measured *cell)
 {
-    for (size_t i = 0; i < count; i++) {
-        double value = bb_get_number(entry, fields[i]);
-        if (isfinite(value))
-            BB_TRY(bb_measured_add_figure(cell, bb_fields[fields[i]].name,
-                                          bb_field_better(fields[i]), value));
-    }
+    const double value = bb_table_get_number(s->table, row, column);
+    return isfinite(value) ? bb_measured_add_figure(cell, name, better, value) : BB_OK;
+}
+
+static bb_status add_fields(const source *s, uint32_t row, const bb_field_id *fields, size_t count,
+                            bb_measured *cell)
+{
+    for (size_t i = 0; i < count; i++)
+        BB_TRY(add_number(s, row, bb_fields[fields[i]].name, bb_fields[fields[i]].name,
+                          bb_field_better(fields[i]), cell));
     return BB_OK;
 }
 
-/* Adds the metrics of the tree as built and of the layouts as traced. */
-static bb_status add_metrics(bb_measured *cell, const bb_entry *build)
+static bb_status add_build(const source *s, const char *key)
 {
-    for (uint32_t i = 0; i < bb_metric_count(); i++) {
-        char full[BB_FIGURE_NAME];
-        double value = bb_get_metric(build, bb_metrics[i]);
-        if (isfinite(value))
-            BB_TRY(bb_measured_add_figure(cell, bb_metrics[i]->name, BB_BETTER_LESS, value));
-        if (!bb_metrics[i]->of_layouts)
-            continue;
-        bb_each_part(layout, build, BB_F_BUILD_LAYOUTS_SAH)
-        {
-            snprintf(full, sizeof full, "%s %.60s", bb_fields[BB_F_BUILD_LAYOUTS_SAH].name,
-                     bb_part_name(layout));
-            BB_TRY(bb_measured_add_figure(cell, full, BB_BETTER_LESS,
-                                          bb_get_number(layout, BB_F_BUILD_LAYOUTS_SAH)));
-        }
-    }
-    return BB_OK;
-}
-
-static void copy(char *to, size_t capacity, const char *text)
-{
-    snprintf(to, capacity, "%s", text);
-}
-
-static bb_status add_entry(bb_cell_set *set, const bb_results *results, const bb_entry *entry,
-                           bool trace)
-{
-    const char *key = bb_get_text(entry, trace ? BB_F_TRACE_CELL : BB_F_BUILD_CELL);
-    const bb_entry *scene =
-        bb_results_scene(results, bb_get_text(entry, trace ? BB_F_TRACE_SCENE : BB_F_BUILD_SCENE));
     bb_measured *cell;
-    if (key[0] == '\0') /* the tree is another program's */
-        return BB_OK;
-    BB_TRY(bb_cell_set_add(set, key, &cell));
-    copy(cell->time, sizeof cell->time, trace ? "trace ms" : "build ms");
-    cell->reference = bb_get_true(entry, trace ? BB_F_TRACE_REFERENCE : BB_F_BUILD_REFERENCE);
-    copy(cell->status, sizeof cell->status, bb_get_text(entry, BB_F_TRACE_STATUS));
-    copy(cell->scene_hash, sizeof cell->scene_hash, bb_get_text(scene, BB_F_SCENE_HASH));
-    if (!bb_get_samples(entry, trace ? BB_F_TRACE_MS : BB_F_BUILD_MS, &cell->ms))
-        cell->ms.count = 0;
-    if (trace) {
-        copy(cell->rays_hash, sizeof cell->rays_hash, bb_get_text(entry, BB_F_TRACE_RAYS_HASH));
-        return add_fields(cell, entry, of_traces, sizeof of_traces / sizeof of_traces[0]);
-    }
-    BB_TRY(add_fields(cell, scene, (bb_field_id[]){BB_F_SCENE_PRIMS}, 1));
-    BB_TRY(add_fields(cell, entry, of_builds, sizeof of_builds / sizeof of_builds[0]));
-    return add_metrics(cell, entry);
-}
-
-/* A text that the run says of itself. */
-static const char *text_of_run(const bb_table *from, const char *name)
-{
-    return bb_table_get_text(from, bb_table_find(from, (bb_cell){{NULL}}), name);
-}
-
-static void read_origin(const bb_table *from, const char *what, bb_origin *origin)
-{
-    copy(origin->what, sizeof origin->what, what);
-    copy(origin->date, sizeof origin->date, text_of_run(from, "date"));
-    copy(origin->revision, sizeof origin->revision, text_of_run(from, "revision"));
-    copy(origin->host, sizeof origin->host, text_of_run(from, "host"));
-    copy(origin->cpu, sizeof origin->cpu, text_of_run(from, "cpu"));
-    copy(origin->device, sizeof origin->device, text_of_run(from, "device"));
-    copy(origin->device_type, sizeof origin->device_type, text_of_run(from, "device_type"));
-    copy(origin->driver, sizeof origin->driver, text_of_run(from, "driver"));
-    copy(origin->embree, sizeof origin->embree, text_of_run(from, "embree_version"));
-    copy(origin->seed, sizeof origin->seed, text_of_run(from, "seed"));
-    copy(origin->shard, sizeof origin->shard, text_of_run(from, "shard"));
-    origin->interrupted = strcmp(text_of_run(from, "interrupted"), "yes") == 0;
-}
-
-bb_status bb_cell_set_of_results(const bb_results *results, const char *what, bb_cell_set *set)
-{
-    memset(set, 0, sizeof *set);
-    read_origin(bb_results_table(results), what, &set->origin);
-    bb_each(entry, bb_results_section(results, BB_BUILDS))
-    {
-        if (!bb_get_true(entry, BB_F_BUILD_UNMEASURED))
-            BB_TRY(add_entry(set, results, entry, false));
-    }
-    bb_each(entry, bb_results_section(results, BB_TRACES))
-    {
-        BB_TRY(add_entry(set, results, entry, true));
-    }
-    bb_cell_set_sort(set);
+    BB_TRY(add_cell(s, key, bb_fields[BB_F_BUILD_MS].name, "build ms", &cell));
+    BB_TRY(add_fields(s, scene_of(s), (bb_field_id[]){BB_F_SCENE_PRIMS}, 1, cell));
+    BB_TRY(add_fields(s, s->row, of_builds, sizeof of_builds / sizeof of_builds[0], cell));
+    for (uint32_t i = 0; i < bb_metric_count(); i++)
+        BB_TRY(
+            add_number(s, s->row, bb_metrics[i]->name, bb_metrics[i]->name, BB_BETTER_LESS, cell));
     return BB_OK;
 }
 
-/* ---- from a table ---- */
-
-/* Adds a cell for the row. `time` is the column of its times; NULL: its exact numbers. */
-static bb_status add_row(bb_cell_set *set, const bb_table *table, uint32_t row,
-                         const bb_column *time, bb_measured **cell)
+static bb_status add_trace(const source *s, const char *key)
 {
-    char key[BB_CELL_KEY];
-    bb_cell scene = {.names = {[BB_SCENE] = bb_table_name(table, row, BB_SCENE)}};
-    const char *status = bb_table_get_text(table, row, "status");
+    bb_measured *cell;
+    BB_TRY(add_cell(s, key, bb_fields[BB_F_TRACE_MS].name, "trace ms", &cell));
+    return add_fields(s, s->row, of_traces, sizeof of_traces / sizeof of_traces[0], cell);
+}
+
+/* Adds the cost of a layout as traced to the cell of its build, which stands before it. */
+static bb_status add_layout(const source *s)
+{
+    char name[BB_FIGURE_NAME];
+    const char *column = bb_fields[BB_F_BUILD_LAYOUTS_SAH].name;
+    bb_cell build = bb_table_cell(s->table, s->row);
+    snprintf(name, sizeof name, "%s %.60s", column, build.names[BB_MAKER]);
+    build.names[BB_MAKER] = NULL;
+    const uint32_t row = bb_table_find(s->table, build);
+    uint32_t i = s->set->count;
+    while (i > 0 && s->set->cells[i - 1].place > row)
+        i--;
+    return i > 0 && s->set->cells[i - 1].place == row
+               ? add_number(s, s->row, column, name, BB_BETTER_LESS, &s->set->cells[i - 1])
+               : BB_OK; /* nobody measured the build */
+}
+
+/* A build without a key is of another program's tree, and an unmeasured one is another shard's. */
+static bb_status add_row_of_run(const source *s)
+{
+    const char *key = text_of(s, s->row, BB_F_TRACE_CELL);
+    if (bb_table_name(s->table, s->row, BB_MAKER)[0] != '\0')
+        return add_layout(s);
+    if (key[0] == '\0' || strcmp(text_of(s, s->row, BB_F_BUILD_UNMEASURED), "yes") == 0)
+        return BB_OK;
+    return bb_table_name(s->table, s->row, BB_QUESTION)[0] != '\0' ? add_trace(s, key)
+                                                                   : add_build(s, key);
+}
+
+/* ---- rows of other commands ---- */
+
+/* Writes a key of the row's names and of the column of times; NULL: the row's numbers. */
+static bb_status write_key(const source *s, const bb_column *time, char key[BB_CELL_KEY])
+{
     bb_key_writer w = {.key = key};
-    bb_key_put(&w, "command", bb_table_command(table));
+    bb_key_put(&w, "command", bb_table_command(s->table));
     for (int d = 0; d < BB_DIMENSIONS; d++)
-        bb_key_put(&w, bb_dimension_names[d], bb_table_name(table, row, (bb_dimension)d));
+        bb_key_put(&w, bb_dimension_names[d], bb_table_name(s->table, s->row, (bb_dimension)d));
     bb_key_put(&w, "time", time != NULL ? time->name : "");
     key[w.length] = '\0';
-    if (w.full)
-        return bb_fail(BB_INVALID, "cell '%.60s...': its key has more than %d bytes", key,
-                       BB_CELL_KEY - 1);
-    BB_TRY(bb_cell_set_add(set, key, cell));
-    copy((*cell)->status, sizeof(*cell)->status, status[0] != '\0' ? status : "ok");
-    copy((*cell)->scene_hash, sizeof(*cell)->scene_hash,
-         bb_table_get_text(table, bb_table_find(table, scene), "scene_hash"));
-    return BB_OK;
+    return !w.full ? BB_OK
+                   : bb_fail(BB_INVALID, "cell '%.60s...': its key has more than %d bytes", key,
+                             BB_CELL_KEY - 1);
 }
 
 /* Adds a cell for each column of rounds in which less is better. */
-static bb_status add_rounds(bb_cell_set *set, const bb_table *table, uint32_t row)
+static bb_status add_rounds(const source *s)
 {
-    for (uint32_t i = 0; i < bb_table_column_count(table); i++) {
-        const bb_column *column = bb_table_column(table, i);
-        const bb_samples *rounds = bb_table_get_rounds(table, row, column->name);
+    for (uint32_t i = 0; i < bb_table_column_count(s->table); i++) {
+        const bb_column *column = bb_table_column(s->table, i);
+        char key[BB_CELL_KEY], time[64];
         bb_measured *cell;
-        if (rounds == NULL || column->better != BB_BETTER_LESS)
+        if (column->better != BB_BETTER_LESS ||
+            bb_table_get_rounds(s->table, s->row, column->name) == NULL)
             continue;
-        BB_TRY(add_row(set, table, row, column, &cell));
-        snprintf(cell->time, sizeof cell->time, "%.40s %.20s", column->heading, column->unit);
-        for (uint32_t k = 0; k < rounds->count; k++)
-            bb_samples_add(&cell->ms, rounds->values[k]);
+        snprintf(time, sizeof time, "%.40s %.20s", column->heading, column->unit);
+        BB_TRY(write_key(s, column, key));
+        BB_TRY(add_cell(s, key, column->name, time, &cell));
     }
     return BB_OK;
 }
 
-static bb_status add_numbers(bb_cell_set *set, const bb_table *table, uint32_t row)
+static bb_status add_numbers(const source *s)
 {
+    char key[BB_CELL_KEY];
     bb_measured *cell = NULL;
-    for (uint32_t i = 0; i < bb_table_column_count(table); i++) {
-        const bb_column *column = bb_table_column(table, i);
-        const double value = bb_table_get_number(table, row, column->name);
-        if (column->kind != BB_COLUMN_NUMBER || column->sense != BB_SENSE_EXACT || !isfinite(value))
+    for (uint32_t i = 0; i < bb_table_column_count(s->table); i++) {
+        const bb_column *column = bb_table_column(s->table, i);
+        if (column->kind != BB_COLUMN_NUMBER || column->sense != BB_SENSE_EXACT ||
+            !isfinite(bb_table_get_number(s->table, s->row, column->name)))
             continue;
-        if (cell == NULL)
-            BB_TRY(add_row(set, table, row, NULL, &cell));
-        BB_TRY(bb_measured_add_figure(cell, column->name, column->better, value));
+        if (cell == NULL) {
+            BB_TRY(write_key(s, NULL, key));
+            BB_TRY(add_cell(s, key, NULL, "", &cell));
+        }
+        BB_TRY(add_number(s, s->row, column->name, column->name, column->better, cell));
     }
     return BB_OK;
+}
+
+static bb_status add_row(const source *s)
+{
+    BB_TRY(add_numbers(s));
+    return add_rounds(s);
 }
 
 bb_status bb_cell_set_of_table(const bb_table *table, const char *what, bb_cell_set *set)
 {
     const uint32_t run = bb_table_find(table, (bb_cell){{NULL}});
+    const bool keys = strcmp(bb_table_command(table), "run") == 0;
     memset(set, 0, sizeof *set);
     read_origin(table, what, &set->origin);
     for (uint32_t row = 0; row < bb_table_row_count(table); row++) {
-        if (row == run)
-            continue;
-        BB_TRY(add_numbers(set, table, row));
-        BB_TRY(add_rounds(set, table, row));
+        const source s = {set, table, row};
+        if (row != run)
+            BB_TRY(keys ? add_row_of_run(&s) : add_row(&s));
     }
     bb_cell_set_sort(set);
     return BB_OK;

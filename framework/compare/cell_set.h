@@ -27,7 +27,7 @@ typedef struct bb_measured {
     bb_samples ms;
     uint32_t figure_count;
     bb_exact_figure *figures;
-    uint32_t place; /* number of the cell, in the order in which cells were added */
+    uint32_t place; /* number of its row; in sorting, of the cell as cells were added */
 } bb_measured;
 
 /* Where and when the cells were measured. "" stands for what is not known. */
@@ -47,14 +47,12 @@ typedef struct bb_cell_set {
     uint32_t duplicates; /* cells that were dropped because another has their key */
 } bb_cell_set;
 
-/* Takes all builds and traces of the results, which messages call `what`. Release with
+/* Takes all rows of a table, which messages call `what`. A build or trace of `run` becomes a cell
+ * with the key that it has. Of other commands a row becomes a cell with its exact numbers, and one
+ * more cell for each column of rounds in which less is better. Keys are made of command and names
+ * then, "command=slice/scene=tets/builder=lbvh", and for rounds also of the column,
+ * ".../time=build_ms". Of the texts, only "status" and the scene's "hash" are taken. Release with
  * bb_cell_set_free(), also after a failure. */
-bb_status bb_cell_set_of_results(const bb_results *results, const char *what, bb_cell_set *set);
-
-/* Takes all rows of a table. A row becomes a cell with its exact numbers, and one more cell for
- * each column of rounds in which less is better. Keys are made of command and names,
- * "command=slice/scene=tets/builder=lbvh", and for rounds also of the column, ".../time=build_ms".
- * Of the texts, only "status" and "scene_hash" are taken. */
 bb_status bb_cell_set_of_table(const bb_table *table, const char *what, bb_cell_set *set);
 
 /* Appends an empty cell with this key. `*cell` is valid until the next call. */

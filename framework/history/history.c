@@ -299,19 +299,7 @@ static bb_status append_set(bb_history *history, bb_status status, bb_cell_set *
     return status;
 }
 
-bb_status bb_history_append(bb_history *history, const bb_results *results)
-{
-    bb_cell_set set;
-    const bb_entry *context = bb_results_context(results);
-    const about a = {.version = bb_get_text(context, BB_F_CONTEXT_VERSION),
-                     .opencl = bb_get_text(context, BB_F_CONTEXT_OPENCL),
-                     .flags = bb_get_text(context, BB_F_CONTEXT_FLAGS),
-                     .kernels = bb_get_text(context, BB_F_CONTEXT_KERNELS),
-                     .command = bb_get_text(context, BB_F_CONTEXT_COMMAND)};
-    return append_set(history, bb_cell_set_of_results(results, "this run", &set), &set, &a);
-}
-
-bb_status bb_history_append_table(bb_history *history, const bb_table *table)
+bb_status bb_history_append(bb_history *history, const bb_table *table)
 {
     bb_cell_set set;
     const uint32_t run = bb_table_find(table, (bb_cell){{NULL}});

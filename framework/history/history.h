@@ -14,11 +14,9 @@ typedef struct bb_history bb_history;
 bb_status bb_history_open(const char *path, bool create, bb_history **out);
 void bb_history_close(bb_history *history);
 
-/* Appends all builds and traces of the results as one run, in one transaction. After a failure
- * (BB_INVALID, BB_FAILED) the file is as before. */
-bb_status bb_history_append(bb_history *history, const bb_results *results);
-/* Appends all rows of a table in the same way. */
-bb_status bb_history_append_table(bb_history *history, const bb_table *table);
+/* Appends all cells of a table (bb_cell_set_of_table()) as one run, in one transaction. After a
+ * failure (BB_INVALID, BB_FAILED) the file is as before. */
+bb_status bb_history_append(bb_history *history, const bb_table *table);
 
 /* Keeps a floor of separate runs for the machine and revision of `origin`. */
 bb_status bb_history_append_floor(bb_history *history, const bb_origin *origin,
