@@ -4,9 +4,9 @@
 #include "framework/base/clock.h"
 #include "framework/base/interrupt.h"
 #include "framework/base/progress.h"
-#include "framework/base/random.h"
 #include "framework/builder/registry.h"
 #include "framework/device/device_private.h"
+#include "framework/measure/turns.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -166,25 +166,41 @@ static void clean_up(bb_animate *a)
 
 /* ---- rounds ---- */
 
-/* All methods in the frame that the scene is brought to, in an order of its own. */
+/* A frame that the scene is brought to. */
+typedef struct frame_round {
+    bb_animate *animate;
+    uint32_t index, changed;
+    bb_progress *progress;
+} frame_round;
+
+static bb_status take_turn(void *self, uint32_t who, uint32_t round, double *ms)
+{
+    const frame_round *f = self;
+    (void)ms;
+    BB_TRY(bb_animate_step(f->animate, &f->animate->runners[who], f->index, round, f->changed));
+    bb_progress_step(f->progress);
+    return BB_OK;
+}
+
 static bb_status do_frame(bb_animate *a, uint32_t index, uint32_t round, bb_random *random,
                           bb_progress *progress)
 {
-    uint32_t order[BB_ANIMATE_METHODS_MAX], count = a->request->builder_count, changed;
+    frame_round self = {.animate = a, .index = index, .progress = progress};
+    bb_turns turns = {.device = a->device,
+                      .random = random,
+                      .count = a->request->builder_count,
+                      .self = &self,
+                      .turn = take_turn};
     uint32_t frame = a->request->first + index;
     bb_animate_state *state = &a->result->states[index];
-    BB_TRY(bb_scene_set_frame(a->scene, frame, &changed));
+    BB_TRY(bb_scene_set_frame(a->scene, frame, &self.changed));
     state->frame = frame;
     state->prims = a->scene->prim_count;
     if (round == 0) {
         BB_TRY(bb_animate_judge_frame(a, index));
         a->result->frame_count = index + 1;
     }
-    bb_random_order(random, order, count);
-    for (uint32_t i = 0; i < count; i++) {
-        BB_TRY(bb_animate_step(a, &a->runners[order[i]], index, round, changed));
-        bb_progress_step(progress);
-    }
+    BB_TRY(bb_turns_round(&turns, round));
     bb_animate_leave_frame(a);
     return BB_OK;
 }

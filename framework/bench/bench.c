@@ -34,13 +34,6 @@ bb_status bb_bench_end(bb_bench *bench, bb_step step, const char *name, bb_statu
     return status != BB_OK ? status : added;
 }
 
-void bb_bench_shuffle(bb_bench *bench, uint32_t *order, uint32_t count)
-{
-    bb_random random = {bench->random};
-    bb_random_order(&random, order, count);
-    bench->random = bb_random_u64(&random);
-}
-
 bb_status bb_bench_tree(bb_bench *bench, bb_entrant *entrant)
 {
     if (entrant->resident->built)
@@ -243,7 +236,7 @@ bb_status bb_bench_run(const bb_bench_request *request, bb_results *results,
     bench->results = results;
     bench->outcome = outcome;
     bb_results_begin_run(results);
-    bench->random = request->seed;
+    bench->random.state = request->seed;
     bench->progress = &progress;
     bench->start = bb_wall_ms();
     bb_bystanders_start(&bench->bystanders);

@@ -320,14 +320,6 @@ static void forget_times(bb_build_record *record)
     record->bytes_peak = 0;
 }
 
-void bb_bench_note_warming(bb_bench *bench, const char *what, const bb_warming *warming)
-{
-    if (warming->rounds > 0 && !warming->settled && !bb_interrupted())
-        bb_progress_note(bench->progress,
-                         "%s: %s: %u rounds of warming up did not settle: times may be noisy",
-                         bench->scene->name, what, warming->rounds);
-}
-
 /* Builds once, outside the samples; *ms is 0 for a builder on the host. */
 static bb_status warm_once(bb_bench *bench, bb_entrant *entrant, double *ms)
 {
@@ -342,48 +334,46 @@ static bb_status warm_once(bb_bench *bench, bb_entrant *entrant, double *ms)
     return bb_bench_end(bench, step, "warming up", status);
 }
 
-/* Builds on a device that is no CPU until its clocks have settled, as traces do. */
-static void warm_up(bb_bench *bench)
+/* The rounds after `plain` are for phases. */
+typedef struct build_rounds {
+    bb_bench *bench;
+    uint32_t plain;
+} build_rounds;
+
+static bb_status take_turn(void *self, uint32_t who, uint32_t round, double *ms)
 {
-    bb_warming warming = {.rounds = 0};
-    bool warm = bench->device->is_cpu;
-    while (!warm && !bb_interrupted()) {
-        double ms = 0;
-        for (uint32_t i = 0; i < bench->entrant_count && !bb_interrupted(); i++) {
-            bb_entrant *entrant = &bench->entrants[i];
-            bb_status status =
-                entrant->record.status == BB_OK ? warm_once(bench, entrant, &ms) : BB_OK;
-            if (status != BB_OK)
-                note_failure(entrant, status);
-        }
-        warm = bb_warmed(&warming, ms);
-    }
-    bb_bench_note_warming(bench, "builds", &warming);
+    const build_rounds *rounds = self;
+    bb_bench *bench = rounds->bench;
+    bb_entrant *entrant = &bench->entrants[who];
+    const bool warming = round == BB_WARMING_UP;
+    if (entrant->record.status != BB_OK || (warming && bb_interrupted()))
+        return BB_OK;
+    bb_status status = warming ? warm_once(bench, entrant, ms)
+                               : build_once(bench, entrant, round >= rounds->plain);
+    if (status != BB_OK)
+        note_failure(entrant, status);
+    if (!warming)
+        bb_progress_step(bench->progress);
+    return BB_OK;
 }
 
 bb_status bb_bench_builds(bb_bench *bench)
 {
-    uint32_t order[BB_ENTRANTS_MAX];
     const bool own = bb_bench_owns_builds(bench);
     const uint32_t phase_builds = own && !bench->request->lean ? PHASE_BUILDS : 0;
     uint32_t rounds = own ? bench->request->repeats + 1 : 1;
     bb_progress_stage(bench->progress, bench->entrant_count * (rounds + phase_builds),
                       "%s: building", bench->scene->name);
     bb_progress_weigh(bench->progress, (double)bench->entrant_count * rounds);
-    warm_up(bench);
-    for (uint32_t round = 0; round < rounds + phase_builds && !bb_interrupted(); round++) {
-        bool exact = round >= rounds;
-        bb_bench_shuffle(bench, order, bench->entrant_count);
-        for (uint32_t i = 0; i < bench->entrant_count; i++) {
-            bb_entrant *entrant = &bench->entrants[order[i]];
-            if (entrant->record.status != BB_OK)
-                continue;
-            bb_status status = build_once(bench, entrant, exact);
-            if (status != BB_OK)
-                note_failure(entrant, status);
-            bb_progress_step(bench->progress);
-        }
-    }
+    build_rounds self = {bench, rounds};
+    bb_turns turns = {.device = bench->device,
+                      .random = &bench->random,
+                      .count = bench->entrant_count,
+                      .self = &self,
+                      .turn = take_turn};
+    BB_TRY(bb_turns_warm_up(&turns, bench->progress, bench->scene->name, "builds"));
+    for (uint32_t round = 0; round < rounds + phase_builds && !bb_interrupted(); round++)
+        BB_TRY(bb_turns_round(&turns, round));
     for (uint32_t i = 0; i < bench->entrant_count; i++) {
         bb_entrant *entrant = &bench->entrants[i];
         if (entrant->record.status != BB_OK || entrant->reference || bb_interrupted())

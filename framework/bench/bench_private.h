@@ -12,6 +12,7 @@
 #include "framework/measure/count.h"
 #include "framework/measure/launches.h"
 #include "framework/measure/resident.h"
+#include "framework/measure/turns.h"
 #include "framework/rays/rays.h"
 #include "framework/workload/workload.h"
 #include "traversal/traversal.h"
@@ -78,7 +79,7 @@ typedef struct bb_bench {
     uint32_t judged;      /* judged cells of the current scene */
     uint32_t traced_sets; /* of it */
     bb_samples boxes_ms;  /* of it */
-    uint64_t random;      /* state of the shuffles */
+    bb_random random;     /* of the orders of rounds */
     bb_progress *progress;
     uint32_t batch; /* rays per launch */
     bb_bench_outcome *outcome;
@@ -102,17 +103,11 @@ bb_step bb_bench_begin(const bb_bench *bench);
 /* Books the step, also after a failure. Returns `status`. */
 bb_status bb_bench_end(bb_bench *bench, bb_step step, const char *name, bb_status status);
 
-/* order[0..count) = a random permutation of 0..count-1. */
-void bb_bench_shuffle(bb_bench *bench, uint32_t *order, uint32_t count);
-
 /* Runs a scene from loading, unless it is bench->first, to pictures (bench_scene.c). */
 bb_status bb_bench_scene(bb_bench *bench, const char *name);
 
 /* Measures the builds of all entrants, interleaved, and fills their records. */
 bb_status bb_bench_builds(bb_bench *bench);
-
-/* Notes for the user if the clocks did not settle before `what` was measured. */
-void bb_bench_note_warming(bb_bench *bench, const char *what, const bb_warming *warming);
 
 /* ---- what was asked for (bench_request.c) ---- */
 

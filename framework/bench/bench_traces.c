@@ -36,8 +36,7 @@ typedef struct trace_set {
     char *first;     /* the first full answer of an `exact` cell, which all others must equal */
     char whose[256]; /* that cell; "": none yet */
     uint32_t loaded_from, loaded; /* the rays of the set that are on the device */
-    bool warming;                 /* rounds do not count yet */
-    uint32_t *order;
+    bool warming;                 /* the round does not count */
     cell *cells;
     uint32_t count;
 } trace_set;
@@ -398,9 +397,6 @@ static bb_status start_set(trace_set *set)
             }
         }
     }
-    set->order = calloc(most, sizeof *set->order);
-    if (set->order == NULL)
-        return bb_fail(BB_FAILED, "out of memory");
     BB_TRY(bb_host_alloc(NULL, set->rays->count * set->bytes, "answers", &set->results));
     uint32_t first = set->rays->count < bench->batch ? set->rays->count : bench->batch;
     BB_TRY(load_batch(set, 0, first));
@@ -412,48 +408,47 @@ static bb_status start_set(trace_set *set)
     return bb_bench_end(bench, step, "oracle: arbitrate", status);
 }
 
-static void run_round(trace_set *set)
+/* A cell's turn. Rounds of warming up are no samples. */
+static bb_status take_turn(void *self, uint32_t who, uint32_t round, double *ms)
 {
-    bb_bench_shuffle(set->bench, set->order, set->count);
-    for (uint32_t i = 0; i < set->count && !bb_interrupted(); i++) {
-        cell *c = &set->cells[set->order[i]];
+    trace_set *set = self;
+    cell *c = &set->cells[who];
+    const bool warming = round == BB_WARMING_UP;
+    if (bb_interrupted())
+        return BB_OK;
+    if (!warming)
         bb_progress_step(set->bench->progress);
-        if (c->record.status != BB_OK)
-            continue;
-        bb_timing timing;
-        bb_status status = trace_once(set, c, &timing);
-        if (status == BB_OK) {
-            bb_samples_add(&c->record.ms, timing.ms);
-            bb_samples_add(&c->record.event_ms, timing.event_ms);
-            bb_samples_add(&c->record.cpu_ms, timing.cpu_ms);
-            status = hold_answers(set, c);
-        }
-        if (status != BB_OK)
-            note_failure(c, status);
+    if (c->record.status != BB_OK || (warming && c->entrant->reference))
+        return BB_OK;
+    bb_timing timing;
+    set->warming = warming;
+    bb_status status = trace_once(set, c, &timing);
+    if (status == BB_OK)
+        *ms += timing.ms;
+    if (status == BB_OK && !warming) {
+        bb_samples_add(&c->record.ms, timing.ms);
+        bb_samples_add(&c->record.event_ms, timing.event_ms);
+        bb_samples_add(&c->record.cpu_ms, timing.cpu_ms);
+        status = hold_answers(set, c);
     }
+    if (status != BB_OK)
+        note_failure(c, status);
+    c->record.warm_rounds += warming;
+    return BB_OK;
 }
 
-/* Runs rounds on a device that is no CPU, outside the samples, until its clocks have settled. */
-static void warm_up(trace_set *set)
+static bb_status run_rounds(trace_set *set, uint32_t rounds)
 {
-    bb_warming warming = {.rounds = 0};
-    set->warming = !set->bench->device->is_cpu;
-    while (set->warming && !bb_interrupted()) {
-        double ms = 0;
-        for (uint32_t i = 0; i < set->count && !bb_interrupted(); i++) {
-            cell *c = &set->cells[i];
-            bb_timing timing;
-            if (c->entrant->reference || c->record.status != BB_OK)
-                continue;
-            bb_status status = trace_once(set, c, &timing);
-            ms += status == BB_OK ? timing.ms : 0;
-            if (status != BB_OK)
-                note_failure(c, status);
-            c->record.warm_rounds = warming.rounds + 1;
-        }
-        set->warming = !bb_warmed(&warming, ms);
-    }
-    bb_bench_note_warming(set->bench, set->rays->name, &warming);
+    bb_bench *bench = set->bench;
+    bb_turns turns = {.device = bench->device,
+                      .random = &bench->random,
+                      .count = set->count,
+                      .self = set,
+                      .turn = take_turn};
+    BB_TRY(bb_turns_warm_up(&turns, bench->progress, bench->scene->name, set->rays->name));
+    for (uint32_t round = 0; round < rounds && !bb_interrupted(); round++)
+        BB_TRY(bb_turns_round(&turns, round));
+    return BB_OK;
 }
 
 static bb_status record_cell(trace_set *set, cell *c)
@@ -495,9 +490,7 @@ bb_status bb_bench_traces(bb_bench *bench, bb_rays *rays)
         if (prepared != BB_OK)
             note_failure(&set.cells[i], prepared);
     }
-    warm_up(&set);
-    for (uint32_t round = 0; round < rounds && !bb_interrupted(); round++)
-        run_round(&set);
+    status = run_rounds(&set, rounds);
     step = bb_bench_begin(bench);
     for (uint32_t i = 0; i < set.count && status == BB_OK; i++)
         status = record_cell(&set, &set.cells[i]);
@@ -507,7 +500,6 @@ out:
     bb_answers_release(&set.answers);
     bb_host_free(set.results);
     bb_host_free(set.first);
-    free(set.order);
     free(set.cells);
     return bb_bench_end(bench, step, "keep records", status);
 }

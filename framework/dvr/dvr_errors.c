@@ -2,6 +2,7 @@
 #include "framework/dvr/dvr_private.h"
 
 #include "framework/device/stopwatch.h"
+#include "framework/measure/turns.h"
 
 #include <math.h>
 #include <string.h>
@@ -81,20 +82,33 @@ static bb_status study_view(const study *s, bb_dvr_error *coarser)
     return BB_OK;
 }
 
-/* All steps in turns. */
-static bb_status time_steps(const study *s)
+static bb_status take_turn(void *self, uint32_t who, uint32_t round, double *ms)
 {
+    const study *s = self;
+    bb_dvr_error *error = &s->dvr->errors[who];
+    bb_stopwatch watch;
+    bb_timing timing;
+    (void)round;
+    BB_TRY(set_step(s, error->step));
+    BB_TRY(bb_stopwatch_start(s->dvr->device, &watch));
+    /* counting, as the pictures were: the same kernel for all */
+    bb_status status = s->dvr->task.ask(s->dvr, s->runner, s->answers);
+    BB_TRY(bb_stopwatch_stop(&watch, status, &timing));
+    bb_samples_add(&error->march, timing.ms);
+    *ms += timing.ms;
+    return BB_OK;
+}
+
+static bb_status time_steps(study *s)
+{
+    bb_random random = bb_random_make(s->dvr->request->contest.seed, 1);
+    bb_turns turns = {.device = s->dvr->device,
+                      .random = &random,
+                      .count = s->dvr->error_count,
+                      .self = s,
+                      .turn = take_turn};
     for (uint32_t round = 0; round <= ROUNDS; round++)
-        for (uint32_t i = 0; i < s->dvr->error_count; i++) {
-            bb_stopwatch watch;
-            bb_timing timing;
-            BB_TRY(set_step(s, s->dvr->errors[i].step));
-            BB_TRY(bb_stopwatch_start(s->dvr->device, &watch));
-            /* counting, as the pictures were: the same kernel for all */
-            bb_status status = s->dvr->task.ask(s->dvr, s->runner, s->answers);
-            BB_TRY(bb_stopwatch_stop(&watch, status, &timing));
-            bb_samples_add(&s->dvr->errors[i].march, timing.ms);
-        }
+        BB_TRY(bb_turns_round(&turns, round));
     return BB_OK;
 }
 

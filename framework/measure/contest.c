@@ -1,7 +1,6 @@
 #include "framework/measure/contest_private.h"
 
 #include "framework/base/interrupt.h"
-#include "framework/base/random.h"
 #include "kernels/bb_shared.h"
 
 #include <stdio.h>
@@ -163,12 +162,12 @@ static bb_status time_builds(bb_contest *c, bb_contest_entrant *e, double *build
         BB_TRY(bb_instance_build(instance, c->task->scenes[s], false, &timing));
         bb_audit_build(c->audit, c->request->name, instance);
         if (!c->task->blank)
-            BB_TRY(bb_tree_upload(&instance->tree, c->request->device, &ms));
+            BB_TRY(bb_resident_upload(&c->residency, &e->trees[s], &ms));
         *build_ms += timing.timing.ms;
         *upload_ms += ms;
         BB_TRY(bb_instance_build(instance, c->task->scenes[s], true, NULL));
         if (!c->task->blank)
-            BB_TRY(bb_tree_upload(&instance->tree, c->request->device, NULL));
+            BB_TRY(bb_resident_upload(&c->residency, &e->trees[s], NULL));
     }
     return BB_OK;
 }
@@ -229,47 +228,77 @@ static bb_status time_answer(bb_contest *c, const bb_contest_runner *r, bb_timin
     return BB_OK;
 }
 
-/* Another order in each round and for each question, so that nobody always follows the same. */
-static void shuffle(const bb_contest *c, uint32_t round, uint32_t question, uint32_t *order,
-                    uint32_t count)
+/* A question in a round: what its turns need. */
+typedef struct question_round {
+    bb_contest *contest;
+    uint32_t items;
+    bool last; /* whose answers are compared */
+    bb_timing *sums;
+} question_round;
+
+static bb_status take_question_turn(void *self, uint32_t who, uint32_t round, double *ms)
 {
-    bb_random random =
-        bb_random_make(c->request->seed, ((uint64_t)round << 32 | question) * 2654435761u);
-    bb_random_order(&random, order, count);
+    const question_round *q = self;
+    bb_contest *c = q->contest;
+    const uint32_t parts = c->task->summed ? 1 : c->task->questions;
+    const bb_contest_runner *r = &c->runners[who];
+    bb_timing timing;
+    if (is_refused(r))
+        return BB_OK;
+    BB_TRY(time_answer(c, r, &timing));
+    *ms += timing.ms;
+    if (round == BB_WARMING_UP)
+        return BB_OK;
+    q->sums[who].ms += timing.ms / parts;
+    q->sums[who].cpu_ms += timing.cpu_ms / parts;
+    return q->last && (r->without || !c->task->blank) ? compare_timed(c, r, q->items) : BB_OK;
+}
+
+static bb_turns turns_of(bb_contest *c, question_round *question)
+{
+    return (bb_turns){.device = c->request->device,
+                      .random = &c->random,
+                      .count = c->way_count,
+                      .self = question,
+                      .turn = take_question_turn};
+}
+
+static bb_status warm_up(bb_contest *c, bb_progress *progress)
+{
+    question_round question = {.contest = c};
+    bb_turns turns = turns_of(c, &question);
+    BB_TRY(c->task->take(c->task->self, 0, &question.items));
+    return bb_turns_warm_up(&turns, progress, c->request->name, "answers");
 }
 
 static bb_status time_question(bb_contest *c, uint32_t round, uint32_t question, bb_timing *sums)
 {
     const bool last = round == c->request->repeats && question + 1 == c->task->questions;
-    const uint32_t parts = c->task->summed ? 1 : c->task->questions;
-    uint32_t items, order[BB_CONTEST_WAYS_MAX];
-    BB_TRY(c->task->take(c->task->self, question, &items));
-    shuffle(c, round, question, order, c->way_count);
-    for (uint32_t i = 0; i < c->way_count; i++) {
-        const uint32_t w = order[i];
-        const bb_contest_runner *r = &c->runners[w];
-        bb_timing timing;
-        if (is_refused(r))
-            continue;
-        BB_TRY(time_answer(c, r, &timing));
-        sums[w].ms += timing.ms / parts;
-        sums[w].cpu_ms += timing.cpu_ms / parts;
-        if (last && (r->without || !c->task->blank))
-            BB_TRY(compare_timed(c, r, items));
-    }
-    return BB_OK;
+    question_round q = {.contest = c, .last = last, .sums = sums};
+    bb_turns turns = turns_of(c, &q);
+    BB_TRY(c->task->take(c->task->self, question, &q.items));
+    return bb_turns_round(&turns, round);
+}
+
+static bb_status take_build_turn(void *self, uint32_t who, uint32_t round, double *ms)
+{
+    bb_contest *c = self;
+    (void)round;
+    (void)ms;
+    return time_entrant(c, &c->entrants[who]);
 }
 
 static bb_status time_round(bb_contest *c, uint32_t round, bb_progress *progress)
 {
     bb_timing sums[BB_CONTEST_WAYS_MAX] = {{0}};
-    const uint32_t builders = c->request->builder_count;
-    uint32_t order[BB_CONTEST_WAYS_MAX];
-    shuffle(c, round, UINT32_MAX, order, builders);
+    bb_turns builds = {.device = c->request->device,
+                       .random = &c->random,
+                       .count = c->request->builder_count,
+                       .self = c,
+                       .turn = take_build_turn};
     if (c->task->time != NULL)
         BB_TRY(c->task->time(c->task->self));
-    for (uint32_t i = 0; i < builders; i++)
-        BB_TRY(time_entrant(c, &c->entrants[order[i]]));
+    BB_TRY(bb_turns_round(&builds, round));
     for (uint32_t q = 0; q < c->task->questions; q++) {
         BB_TRY(time_question(c, round, q, sums));
         bb_progress_step(progress);
@@ -295,7 +324,7 @@ static bb_status run_rounds(bb_contest *c)
                       c->request->repeats);
     bb_progress_plan(&progress, steps);
     bb_progress_weigh(&progress, steps);
-    bb_status status = BB_OK;
+    bb_status status = warm_up(c, &progress);
     for (uint32_t r = 0; r < rounds && status == BB_OK && !bb_interrupted(); r++)
         status = time_round(c, r, &progress);
     bb_progress_end(&progress);
@@ -347,6 +376,7 @@ bb_status bb_contest_run(const bb_contest_request *request, const bb_contest_tas
     c->task = task;
     c->first = first;
     c->way_count = count;
+    c->random = bb_random_make(request->seed, 0);
     c->audit = request->audit != NULL ? request->audit : &c->no_audit;
     bb_status status = run(c);
     if (status == BB_OK)

@@ -3,6 +3,7 @@
 #define BB_CONTEST_PRIVATE_H
 
 #include "framework/measure/contest.h"
+#include "framework/measure/turns.h"
 
 /* A search, or a kernel, and the index of the layout that it reads. */
 typedef struct bb_contest_search_choice {
@@ -30,6 +31,7 @@ typedef struct bb_contest {
     unsigned char *without, *with;
     bb_count *counts;
     bb_buffer d_answers, d_counts;
+    bb_random random;  /* of the orders of rounds */
     uint64_t items;    /* of all questions */
     bb_audit *audit;   /* the request's, or the next */
     bb_audit no_audit; /* nobody asks for it */

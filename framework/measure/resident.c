@@ -86,6 +86,15 @@ bb_status bb_resident_tree(bb_residency *all, bb_resident *resident)
     return BB_OK;
 }
 
+bb_status bb_resident_upload(bb_residency *all, bb_resident *resident, double *ms)
+{
+    bb_tree *tree = &resident->instance.tree;
+    bb_status status = bb_tree_upload(tree, all->device, ms);
+    if (status == BB_REFUSED && evict_others(all, resident))
+        status = bb_tree_upload(tree, all->device, ms);
+    return status;
+}
+
 /* ---- layouts ---- */
 
 bb_status bb_residency_layout(bb_residency *all, const bb_layout *layout,
@@ -148,6 +157,21 @@ static bb_status make_room(bb_residency *all, bb_resident *resident, uint32_t la
     return BB_OK;
 }
 
+/* Makes the layout beside what is there, else in the room of others. */
+static bb_status make_layout_fit(bb_residency *all, bb_resident *resident, uint32_t layout)
+{
+    bb_status status = make_layout(all, resident, layout);
+    if (status == BB_REFUSED) {
+        status = make_room(all, resident, layout);
+        if (status == BB_OK)
+            status = make_layout(all, resident, layout);
+    }
+    resident->has_layout[layout] = status == BB_OK;
+    if (status != BB_OK)
+        bb_layout_data_release(&resident->layouts[layout]);
+    return status;
+}
+
 bb_status bb_resident_layout(bb_residency *all, bb_resident *resident, uint32_t layout)
 {
     if (resident->has_layout[layout])
@@ -160,17 +184,9 @@ bb_status bb_resident_layout(bb_residency *all, bb_resident *resident, uint32_t 
             bb_fail(BB_FAILED, "built again, the tree has %u nodes and depth %u, not %u and %u",
                     info->node_count, info->depth, resident->tree.node_count, resident->tree.depth);
     if (status == BB_OK)
-        status = make_layout(all, resident, layout);
-    if (status == BB_REFUSED) {
-        status = make_room(all, resident, layout);
-        if (status == BB_OK)
-            status = make_layout(all, resident, layout);
-    }
-    if (status != BB_OK) {
-        bb_layout_data_release(&resident->layouts[layout]);
+        status = make_layout_fit(all, resident, layout);
+    if (status != BB_OK)
         return status;
-    }
-    resident->has_layout[layout] = true;
     bb_residency_note(all);
     resident->keeps_shape[layout] = resident->layouts[layout].keeps_shape;
     return BB_OK;
@@ -189,9 +205,5 @@ bb_status bb_resident_check(bb_resident *resident)
 bb_status bb_resident_layout_again(bb_residency *all, bb_resident *resident, uint32_t layout)
 {
     BB_TRY(bb_resident_tree(all, resident));
-    bb_status status = make_layout(all, resident, layout);
-    resident->has_layout[layout] = status == BB_OK;
-    if (status != BB_OK)
-        bb_layout_data_release(&resident->layouts[layout]);
-    return status;
+    return make_layout_fit(all, resident, layout);
 }

@@ -52,11 +52,16 @@ void bb_residency_end(bb_residency *all);
 /* Makes sure that the tree exists. If it does not fit beside the others, they are evicted. */
 bb_status bb_resident_tree(bb_residency *all, bb_resident *resident);
 
+/* Makes sure that a tree that exists is on the device, as bb_tree_upload() does. If it does not fit
+ * beside the others, they are evicted. */
+bb_status bb_resident_upload(bb_residency *all, bb_resident *resident, double *ms);
+
 /* Makes sure that the layout is on the device. If memory is short, others are evicted. BB_FAILED
  * if a tree that was built again has another shape than the one that was checked. */
 bb_status bb_resident_layout(bb_residency *all, bb_resident *resident, uint32_t layout);
 
-/* Makes an existing layout again in its place. After a failure the layout is gone. */
+/* Makes an existing layout again in its place. If memory is short, others are evicted. After a
+ * failure the layout is gone. */
 bb_status bb_resident_layout_again(bb_residency *all, bb_resident *resident, uint32_t layout);
 
 /* Checks the tree (bb_tree_check()), on the host. */
