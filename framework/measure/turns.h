@@ -1,7 +1,7 @@
 /* Rounds in which all that is compared takes turns, in another order each round, so that nobody
  * always follows the same. All comparisons measure by these. */
-#ifndef BB_TURNS_H
-#define BB_TURNS_H
+#ifndef BB_MEASURE_TURNS_H
+#define BB_MEASURE_TURNS_H
 
 #include "framework/base/progress.h"
 #include "framework/base/random.h"
