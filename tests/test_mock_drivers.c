@@ -121,6 +121,33 @@ static void lost_devices(void **state)
     }
 }
 
+/* A device that is lost in the second scene leaves the first one's figures, marked as what an
+ * interrupt left. */
+static void lost_in_a_later_scene(void **state)
+{
+    (void)state;
+    static const char *const commands[] = {"slice", "volume"};
+    char arguments[256], file[32];
+    for (int i = 0; i < 2; i++) {
+        snprintf(file, sizeof file, "later/%s.json", commands[i]);
+        snprintf(arguments, sizeof arguments,
+                 "%s --scene tets:side=3 --scene tets:side=2 --builder lbvh --search skip "
+                 "--size 8x8 --repeats 1 --json --quiet --out later",
+                 commands[i]);
+        assert_int_equal(run_with(MOCK(""), arguments)->exit_status, 0);
+        bb_table *table = read_table(file);
+        assert_string_equal(bb_table_get_text(table, 0, "interrupted"), "");
+        bb_table_free(table);
+        const outcome *o = run_with(MOCK("MOCK_GPU_FAIL=skip_nodes:4:late"), arguments);
+        assert_int_equal(o->exit_status, 2);
+        assert_non_null(strstr(o->err, " (what was measured is in later/"));
+        table = read_table(file);
+        assert_string_equal(bb_table_get_text(table, 0, "interrupted"), "yes");
+        assert_true(bb_table_row_count(table) > 2);
+        bb_table_free(table);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -129,6 +156,7 @@ int main(void)
         cmocka_unit_test(builds_that_fail_without_a_word),
         cmocka_unit_test(one_launch_too_many),
         cmocka_unit_test(lost_devices),
+        cmocka_unit_test(lost_in_a_later_scene),
     };
     return cmocka_run_group_tests_name("mock_drivers", tests, make_folder, remove_folder);
 }

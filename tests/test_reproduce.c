@@ -492,6 +492,10 @@ static void quick_papers_run(void **state)
         assert_int_equal(cJSON_GetArraySize(all), 1);
         assert_string_equal(json_text(cJSON_GetArrayItem(all, 0), "name"), (*p)->name);
         bb_results_destroy(results);
+        bb_table *table; /* the contests' clocks are checked, too */
+        ASSERT_OK(bb_table_read(path, &table));
+        assert_true(bb_table_get_number(table, 0, "timings") > 0);
+        bb_table_free(table);
     }
 }
 

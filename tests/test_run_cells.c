@@ -121,6 +121,24 @@ static void cells_are_measured_again_by_their_keys(void **state)
     cJSON_Delete(before);
 }
 
+/* Cells that differ in size share no rays, and none is said to lack a scene. */
+static void cells_of_several_sizes_have_no_rank(void **state)
+{
+    (void)state;
+#define SIZE(size) "--cell scene=cube/rays=primary/size=" size "/view=back/builder="
+    static const char same[] =
+        "run " SIZE("8x8") "lbvh/kernel=stack " SIZE("8x8") "sah/kernel=stack",
+                      other[] =
+                          "run " SIZE("8x8") "lbvh/kernel=stack " SIZE("9x8") "sah/kernel=stack";
+    static const char tail[] = "--repeats 1 --no-pictures --charts no --quiet --out sizes";
+    char command[512];
+    snprintf(command, sizeof command, "%s %s", same, tail);
+    assert_null(strstr(expect(0, command, "no wrong one in")->out, "have no rank"));
+    snprintf(command, sizeof command, "%s %s", other, tail);
+    const outcome *o = expect(0, command, "builders were not traced with the same rays: size or ");
+    assert_null(strstr(o->out, "lack scenes"));
+}
+
 #define CELL "scene=cube/rays=primary/view=three-quarter/builder=lbvh/kernel=stack"
 
 static void cells_that_cannot_be_are_refused(void **state)
@@ -162,6 +180,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(cells_are_measured_again_by_their_keys),
+        cmocka_unit_test(cells_of_several_sizes_have_no_rank),
         cmocka_unit_test(cells_that_cannot_be_are_refused),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);

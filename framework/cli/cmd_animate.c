@@ -7,7 +7,6 @@
 #include "framework/cli/inputs.h"
 #include "framework/cli/output.h"
 #include "framework/device/device_private.h"
-#include "framework/device/run_row.h"
 #include "framework/picture/image.h"
 
 #include <stdio.h>
@@ -120,10 +119,8 @@ static bb_status animate(job *j, bb_scene *scene, size_t number)
     snprintf(why, sizeof why, "%s", status != BB_OK ? bb_message() : "");
     bb_status added = j->result.frame_count > 0 ? add_result(j, number) : BB_OK;
     bb_animate_release(&j->result);
-    if (status != BB_OK) {
-        bb_table_set_text(j->output.table, 0, &bb_run_interrupted, "yes");
+    if (status != BB_OK)
         return bb_fail(status, "%s", why);
-    }
     BB_TRY(added);
     return bb_contest_output_scene(&j->output);
 }

@@ -8,6 +8,7 @@
 typedef struct wanted {
     bb_device_choice device;
     bb_reproduce_request request;
+    bb_bystanders watch; /* of its contests */
     bb_names scenes;
     const char *folder;
     uint32_t charts;
@@ -37,9 +38,12 @@ static const bb_cli_option options[] = {
 static bb_status reproduce(void *user, bb_device *device, bb_results *results,
                            bb_bench_outcome *outcome)
 {
-    bb_reproduce_request *request = user;
-    request->device = device;
-    return bb_reproduce(request, results, outcome);
+    wanted *w = user;
+    bb_bystanders_start(&w->watch);
+    w->request.device = device;
+    w->request.audit = &outcome->audit;
+    w->request.watch = &w->watch;
+    return bb_reproduce(&w->request, results, outcome);
 }
 
 static bb_status run(const bb_cli *cli, void *values, int *exit_status)
@@ -64,7 +68,7 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
         .charts = w->charts,
         .quiet = request->quiet,
         .compare = reproduce,
-        .request = request,
+        .request = w,
         .print = bb_reproduction_print,
     };
     return bb_output_compare(&comparison, exit_status);

@@ -97,12 +97,12 @@ static bool any_measured(const bb_contest_output *output)
     return output->table != NULL && bb_table_row_count(output->table) > 1;
 }
 
-/* Writes all output, unless nothing was measured. */
-static bb_status write_all(bb_contest_output *output)
+/* Writes all output, unless nothing was measured. After a failure the run counts as interrupted. */
+static bb_status write_all(bb_contest_output *output, bb_status status)
 {
     if (!any_measured(output))
         return BB_OK;
-    if (bb_interrupted())
+    if (status != BB_OK || bb_interrupted())
         bb_table_set_text(output->table, 0, &bb_run_interrupted, "yes");
     bb_audit_fill(&output->audit, &output->watch, output->table);
     BB_TRY(bb_table_status(output->table));
@@ -115,7 +115,7 @@ bb_status bb_contest_output_end(bb_contest_output *output, bb_status status, boo
 {
     char why[1024], kept[320] = "";
     snprintf(why, sizeof why, "%s", status != BB_OK ? bb_message() : "");
-    bb_status written = write_all(output);
+    bb_status written = write_all(output, status);
     if (status == BB_OK && written == BB_OK)
         written = bb_output_append(output->choice->history, output->table);
     if (status != BB_OK && written == BB_OK && any_measured(output) && output->choice->out != NULL)

@@ -234,7 +234,7 @@ static bb_status remember(bb_answers *answers, job *job)
         return BB_OK;
     struct bb_judged *judged = calloc(1, sizeof *judged);
     if (judged == NULL)
-        return bb_fail(BB_REFUSED, "the host refused the memory of judged answers");
+        return bb_fail(BB_FAILED, "out of memory");
     answers->judged = judged;
     size_t bytes = job->request->count * sizeof *judged->hits;
     BB_TRY(bb_host_alloc(NULL, bytes, "judged answers", &judged->hits));

@@ -98,6 +98,8 @@ static bb_status animate(const bb_reproduce_request *request, bb_scene *scene, b
         .repeats = bb_paper_rounds(request, 7),
         .seed = request->seed,
         .quiet = request->quiet,
+        .audit = request->audit,
+        .watch = request->watch,
     };
     for (uint32_t m = 0; m < wanted.builder_count; m++)
         builders[m] = bb_dynamic_methods[first + m].note;

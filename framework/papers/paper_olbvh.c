@@ -38,15 +38,12 @@ static const char *const quick_meshes[] = {"tets:side=4", "tets:side=4,shape=she
 /* The request of all contests. */
 static bb_contest_request contest_of(const bb_reproduce_request *request, const char *name)
 {
-    return (bb_contest_request){.device = request->device,
-                                .name = name,
-                                .builders = builders,
-                                .builder_count = BUILDERS,
-                                .searches = searches,
-                                .search_count = SEARCHES,
-                                .repeats = bb_paper_rounds(request, 7),
-                                .seed = request->seed,
-                                .quiet = request->quiet};
+    bb_contest_request contest = bb_paper_contest(request, name);
+    contest.builders = builders;
+    contest.builder_count = BUILDERS;
+    contest.searches = searches;
+    contest.search_count = SEARCHES;
+    return contest;
 }
 
 static bb_status render(const bb_reproduce_request *request, bb_scene *scene, const char *name,

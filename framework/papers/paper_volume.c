@@ -58,22 +58,18 @@ static bb_status picture(const bb_reproduce_request *request, uint32_t side, con
     static const char *const builders[] = {VOLUME_BUILDER}, *const kernels[] = {"stack", "stack8"};
     char name[64];
     bb_scene *scene;
-    const bb_dvr_request dvr = {
-        .contest = {.device = request->device,
-                    .name = name,
-                    .builders = builders,
-                    .builder_count = 1,
-                    .searches = kernels,
-                    .search_count = 2,
-                    .repeats = bb_paper_rounds(request, 7),
-                    .seed = request->seed,
-                    .quiet = request->quiet},
+    snprintf(name, sizeof name, "nbody:n=%u%s", side, transfer);
+    bb_dvr_request dvr = {
+        .contest = bb_paper_contest(request, name),
         .turns = request->quick ? 1 : 4,
         .width = request->quick ? 16 : 192,
         .height = request->quick ? 16 : 192,
         .step = 0.5,
     };
-    snprintf(name, sizeof name, "nbody:n=%u%s", side, transfer);
+    dvr.contest.builders = builders;
+    dvr.contest.builder_count = 1;
+    dvr.contest.searches = kernels;
+    dvr.contest.search_count = 2;
     BB_TRY(bb_paper_add_scene(f, name));
     BB_TRY(bb_scene_load_any(name, &scene));
     bb_status status = bb_scene_upload(scene, request->device);

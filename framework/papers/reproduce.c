@@ -235,6 +235,17 @@ uint32_t bb_paper_rounds(const bb_reproduce_request *request, uint32_t usual)
     return request->quick ? 2 : request->repeats > 0 ? request->repeats : usual;
 }
 
+bb_contest_request bb_paper_contest(const bb_reproduce_request *request, const char *name)
+{
+    return (bb_contest_request){.device = request->device,
+                                .name = name,
+                                .repeats = bb_paper_rounds(request, 7),
+                                .seed = request->seed,
+                                .quiet = request->quiet,
+                                .audit = request->audit,
+                                .watch = request->watch};
+}
+
 bb_status bb_paper_add_scene(bb_findings *f, const char *name)
 {
     char **scenes = realloc(f->scenes, (f->scene_count + 1) * sizeof *scenes);

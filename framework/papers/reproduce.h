@@ -8,6 +8,7 @@
 #define BB_REPRODUCE_H
 
 #include "framework/bench/bench.h"
+#include "framework/measure/contest.h"
 #include "framework/papers/figures.h"
 
 #include <stdio.h>
@@ -69,6 +70,8 @@ struct bb_reproduce_request {
     uint64_t max_prims; /* the largest '#' */
     uint64_t seed;
     bool quiet;
+    bb_audit *audit;      /* gets all timings of measure(); NULL: none is asked for */
+    bb_bystanders *watch; /* of other programs, for measure(); NULL: nobody is warned */
 };
 
 /* Checks that all builders, kernels and rays that the paper needs are there and take these
@@ -99,6 +102,8 @@ bb_status bb_paper_measured(const bb_results *results, uint32_t first, bb_table 
 
 /* Rounds that are asked for; `usual` if none are. */
 uint32_t bb_paper_rounds(const bb_reproduce_request *request, uint32_t usual);
+/* A contest of 7 rounds, unless others are asked for; builders and searches are left to fill in. */
+bb_contest_request bb_paper_contest(const bb_reproduce_request *request, const char *name);
 /* Adds a scene to what was measured; a byte of its name that is no UTF-8 becomes %XX. */
 bb_status bb_paper_add_scene(bb_findings *f, const char *name);
 

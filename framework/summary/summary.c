@@ -326,6 +326,18 @@ static void choose_sets(bb_summary_view *v, const bb_summary_choice *choice, boo
     }
 }
 
+/* Whether two chosen sets are of one view and kind, so that only size or seed tells them apart. */
+static bool any_differ(const bb_summary_view *v)
+{
+    const bb_summary_set *sets = v->n->sets;
+    for (uint32_t i = 0; i < v->n->set_count; i++)
+        for (uint32_t k = 0; k < i; k++)
+            if (v->sets[i] && v->sets[k] && sets[i].scene == sets[k].scene &&
+                strcmp(sets[i].rays, sets[k].rays) == 0 && strcmp(sets[i].view, sets[k].view) == 0)
+                return true;
+    return false;
+}
+
 /* Finds the entrants that have all ray sets and scenes: one that lacks hard scenes would look
  * better than it is. */
 static void find_whole(bb_summary_view *v, const bool *enters)
@@ -360,6 +372,7 @@ static bb_status make_rows(bb_summary_view *v, const bb_summary_choice *choice, 
     best of;
     const char *reference = bb_results_reference(v->n->results);
     choose_sets(v, choice, enters, s);
+    s->sets_differ = any_differ(v);
     find_whole(v, enters);
     for (uint32_t i = 0; i < v->n->set_count; i++)
         for (uint32_t e = 0; e < v->n->entrant_count; e++)

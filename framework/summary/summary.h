@@ -86,6 +86,7 @@ typedef struct bb_summary {
     uint32_t row_count, builder_count;
     uint32_t scenes, sets; /* scenes and ray sets that enter */
     uint32_t sets_aside;   /* ray sets that too few builders traced to compare them */
+    bool sets_differ;      /* two of these sets differ in size or seed alone */
     /* counting rounds of the cell that has fewest; below BB_INTERVAL_ROUNDS ties are not known */
     uint32_t rounds;
     /* ratios of traces are relative to the fastest row of this reference (bb_results_reference());

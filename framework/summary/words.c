@@ -231,7 +231,9 @@ static void say_answers(bb_summary *s)
     if (failed > 0)
         say(sentence, "; %u builds or cells were refused or failed (--table says why)", failed);
     if (partial > 0)
-        say(sentence, "; %u builders lack scenes or rays and have no rank", partial);
+        say(sentence, "; %u builders %s and have no rank", partial,
+            s->sets_differ ? "were not traced with the same rays: size or seed differ,"
+                           : "lack scenes or rays");
     for (uint32_t i = s->builder_count; i < s->row_count; i++)
         if (s->rows[i].wrong > 0)
             say(sentence, "; %s lost %.0f of %s", s->rows[i].name, s->rows[i].wrong,

@@ -308,35 +308,22 @@ bb_status bb_table_read(const char *path, bb_table **out)
     return status;
 }
 
-/* The text behind the next member of that name; NULL: no more. */
-static const char *next_value(const char *at, const char *member)
+static const char *word_of(const cJSON *json, const char *member)
 {
-    at = strstr(at, member);
-    return at != NULL ? at + strlen(member) + strspn(at + strlen(member), " \t\r\n:") : NULL;
+    const char *word = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(json, member));
+    return word != NULL ? word : "";
 }
 
-/* Whether the first "command" that is a word is this one: a row's is a line of words. */
-static bool is_of(const char *text, const char *command)
-{
-    for (const char *at = text; (at = next_value(at, "\"command\"")) != NULL;) {
-        char word[66];
-        if (sscanf(at, "\"%65[a-z0-9_-]\"", word) == 1 && at[strlen(word) + 1] == '"')
-            return strcmp(word, command) == 0;
-    }
-    return false;
-}
-
-/* The members of a file may come in any order. */
 bool bb_table_is_other(const char *path, const char *command)
 {
     char *text;
     size_t size;
-    bool found = false;
     if (bb_file_read(path, TABLE_BYTES_MAX, "table", &text, &size) != BB_OK)
         return false;
-    for (const char *at = text; !found && (at = next_value(at, "\"schema\"")) != NULL;)
-        found = strncmp(at, "\"bvhbench-table/", 16) == 0;
-    found = found && !is_of(text, command);
+    cJSON *json = cJSON_Parse(text);
+    const bool other = strncmp(word_of(json, "schema"), "bvhbench-table/", 15) == 0 &&
+                       strcmp(word_of(json, "command"), command) != 0;
+    cJSON_Delete(json);
     free(text);
-    return found;
+    return other;
 }
