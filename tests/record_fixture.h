@@ -29,13 +29,13 @@ static inline bb_entry *entry_at(bb_results *results, bb_section_id section, int
     return entry;
 }
 
-static inline bool is_kept(void *left_out, const bb_results *to, const bb_results *from,
-                           uint32_t row, bb_target *target)
+static inline bool is_kept(void *left_out, const bb_table *to, const bb_table *from, uint32_t row,
+                           bb_target *target)
 {
     (void)to;
+    (void)from;
     (void)target;
-    const bb_entry *entry = from->entries[row];
-    return !((const bool *)left_out)[entry->row];
+    return !((const bool *)left_out)[row];
 }
 
 /* Leaves out the rows for which left_out[row] is true. Entries must be found anew. */

@@ -426,7 +426,7 @@ static size_t file_size(const char *folder, const char *name, const char *magic)
 }
 
 /* The results with one scene of this name, and with other names in its builds and traces. */
-static bool rename_cell(void *name, const bb_results *to, const bb_results *from, uint32_t row,
+static bool rename_cell(void *name, const bb_table *to, const bb_table *from, uint32_t row,
                         bb_target *target)
 {
     static char kernel[160], builder[160];
@@ -445,7 +445,7 @@ static bool rename_cell(void *name, const bb_results *to, const bb_results *from
         return true;
     /* still one name for each layout: the key knows a layout by its kernel */
     snprintf(kernel, sizeof kernel, "%s%s", (const char *)name,
-             bb_table_get_text(from->table, row, "layout"));
+             bb_table_get_text(from, row, "layout"));
     names[BB_KERNEL] = kernel;
     if (names[BB_INTERSECTOR] != NULL && strcmp(names[BB_INTERSECTOR], "exact") == 0)
         names[BB_INTERSECTOR] = "@a ^{b} _c %d \xC3\xA9";

@@ -5,6 +5,7 @@
 #include "tests/program_fixture.h"
 
 #include <math.h>
+#include <sys/stat.h>
 
 #define COLUMN(name, heading, unit, kind, sense, better)                                           \
     {                                                                                              \
@@ -209,60 +210,177 @@ static void tables_are_told_from_results(void **state)
     assert_false(bb_table_is_other("/nowhere", "run"));
 }
 
+/* A command that writes a table, and the name of its file. */
+static const struct {
+    const char *name, *arguments, *file;
+} commands[] = {
+    {"animate",
+     "animate --scene twist:n=100,frames=3 --builder lbvh,lbvh+refit --rays primary "
+     "--size 8x8 --repeats 1",
+     "animate"},
+    {"slice", "slice --scene tets:side=2 --builder lbvh --size 8x8 --slices 2 --repeats 1",
+     "slice"},
+    {"overlap", "overlap tets:side=2 tets:side=2 --builder lbvh --repeats 1", "overlap"},
+    {"volume", "volume --scene nbody:n=8 --builder vlbvh --size 8x8 --repeats 1 --brief", "volume"},
+    {"stress", "stress --axis nan --builder lbvh --quick --no-pictures", "stress"},
+    {"advise",
+     "advise --scene cube --builder lbvh --kernel stack --rays primary --count 1000 "
+     "--quick --size 8x8 --charts no",
+     "advise"},
+    {"run",
+     "run --scene cube --builder lbvh --kernel stack --rays primary --size 8x8 --repeats 1 "
+     "--charts no --no-pictures",
+     "results"},
+};
+enum { COMMANDS = sizeof commands / sizeof commands[0] };
+
+/* Plants one change in a copy of the command's file, in a folder of its own; returns the name of
+ * the changed figure. */
+static const char *plant_change(size_t command)
+{
+    static char name[32];
+    char file[64], copy[64];
+    snprintf(file, sizeof file, "%s/%s.json", commands[command].name, commands[command].file);
+    snprintf(copy, sizeof copy, "changed/%s.json", commands[command].file);
+    cJSON *table = read_json(file), *row, *changed = NULL;
+    cJSON_ArrayForEach(row, cJSON_GetObjectItem(table, "rows"))
+    {
+        const char *const figures[] = {"nodes", "tree_bytes", "checked", "bytes"};
+        for (size_t f = 0; f < 4 && changed == NULL; f++)
+            changed = cJSON_GetObjectItem(row, "revision") == NULL
+                          ? cJSON_GetObjectItem(row, figures[f])
+                          : NULL;
+    }
+    assert_non_null(changed);
+    cJSON_SetNumberValue(changed, changed->valuedouble + 1);
+    snprintf(name, sizeof name, "%s", changed->string);
+    char *text = cJSON_PrintUnformatted(table);
+    write_file(copy, text, strlen(text));
+    cJSON_free(text);
+    cJSON_Delete(table);
+    return name;
+}
+
+/* Merged with its changed copy, a file has the rows of both, and the second run is numbered. */
+static void expect_merged(size_t command)
+{
+    char arguments[512], file[64];
+    const char *name = commands[command].name, *base = commands[command].file;
+    snprintf(arguments, sizeof arguments,
+             "merge %s/%s.json changed/%s.json --out m-%s --history both.db", name, base, base,
+             name);
+    expect(0, arguments, "results  m-");
+    snprintf(file, sizeof file, "m-%s/%s.json", name, base);
+    cJSON *one = read_json(file), *row;
+    int runs[2] = {0}, others = 0;
+    cJSON_ArrayForEach(row, cJSON_GetObjectItem(one, "rows"))
+    {
+        const cJSON *run = cJSON_GetObjectItem(row, "run");
+        others += run != NULL && strcmp(cJSON_GetStringValue(run), "1") != 0;
+        runs[run != NULL]++;
+    }
+    cJSON_Delete(one);
+    assert_int_equal(others, 0);
+    assert_true(strcmp(name, "run") == 0 ? runs[1] > 1 : runs[0] == runs[1]);
+    snprintf(arguments, sizeof arguments, "compare %s %s", file, file);
+    expect(0, arguments, "nothing is worse");
+    snprintf(arguments, sizeof arguments, "compare %s/%s.json %s", name, base, file);
+    expect(0, arguments, "nothing is worse"); /* the first run is as it was */
+    snprintf(arguments, sizeof arguments, "report %s --csv", file);
+    expect(0, arguments, "run");
+    static const char *const forms[] = {"table", "markdown"};
+    for (int form = 0; form < 2; form++) {
+        snprintf(arguments, sizeof arguments, "report %s --%s", file, forms[form]);
+        expect(0, arguments, strcmp(name, "run") == 0 ? "lbvh" : "Run 2");
+    }
+    snprintf(arguments, sizeof arguments, "report %s --charts no --out page.html", file);
+    expect(0, arguments, "");
+}
+
 /* Every command that writes a table appends it, at once or later; what it wrote compares with
  * itself, and a change of it is found. */
 static void commands_write_what_is_compared(void **state)
 {
     (void)state;
-    static const struct {
-        const char *name, *arguments;
-    } commands[] = {
-        {"animate", "animate --scene twist:n=100,frames=3 --builder lbvh,lbvh+refit --rays primary "
-                    "--size 8x8 --repeats 1"},
-        {"slice", "slice --scene tets:side=2 --builder lbvh --size 8x8 --slices 2 --repeats 1"},
-        {"overlap", "overlap tets:side=2 tets:side=2 --builder lbvh --repeats 1"},
-        {"volume", "volume --scene nbody:n=8 --builder vlbvh --size 8x8 --repeats 1 --brief"},
-        {"stress", "stress --axis nan --builder lbvh --quick --no-pictures"},
-        {"advise", "advise --scene cube --builder lbvh --kernel stack --rays primary --count 1000 "
-                   "--quick --size 8x8 --charts no"},
-    };
-    for (size_t i = 0; i < sizeof commands / sizeof commands[0]; i++) {
-        char arguments[512], file[64];
-        snprintf(file, sizeof file, "%s/%s.json", commands[i].name, commands[i].name);
+    char arguments[512];
+    snprintf(arguments, sizeof arguments, "%s/changed", folder);
+    assert_int_equal(mkdir(arguments, 0777), 0);
+    for (size_t i = 0; i < COMMANDS; i++) {
+        char file[64];
+        snprintf(file, sizeof file, "%s/%s.json", commands[i].name, commands[i].file);
         snprintf(arguments, sizeof arguments, "%s --quiet --out %s --history all.db",
                  commands[i].arguments, commands[i].name);
         expect(0, arguments, "");
         snprintf(arguments, sizeof arguments, "compare %s %s", file, file);
         expect(0, arguments, "nothing is worse");
-        cJSON *table = read_json(file), *row, *changed = NULL;
-        cJSON_ArrayForEach(row, cJSON_GetObjectItem(table, "rows"))
-        {
-            const char *const figures[] = {"nodes", "tree_bytes", "checked", "bytes"};
-            for (size_t f = 0; f < 4 && changed == NULL; f++)
-                changed = cJSON_GetObjectItem(row, "revision") == NULL
-                              ? cJSON_GetObjectItem(row, figures[f])
-                              : NULL;
-        }
-        assert_non_null(changed);
-        cJSON_SetNumberValue(changed, changed->valuedouble + 1);
-        char *text = cJSON_PrintUnformatted(table);
-        write_file("changed.json", text, strlen(text));
-        snprintf(arguments, sizeof arguments, "compare %s changed.json", file);
+        const char *changed = plant_change(i);
+        snprintf(arguments, sizeof arguments, "compare %s changed/%s.json", file, commands[i].file);
         const outcome *o = run(arguments);
-        if (strstr(o->out, changed->string) == NULL)
-            fail_msg("%s: a changed %s is not found: %s%s", commands[i].name, changed->string,
-                     o->out, o->err);
-        cJSON_free(text);
-        cJSON_Delete(table);
+        if (strstr(o->out, changed) == NULL)
+            fail_msg("%s: a changed %s is not found: %s%s", commands[i].name, changed, o->out,
+                     o->err);
         snprintf(arguments, sizeof arguments, "merge %s --history later.db", file);
         expect(0, arguments, "");
-        snprintf(arguments, sizeof arguments, "merge %s --out m", file);
-        refuses("", arguments, "is a table, which has no shards");
+        expect_merged(i);
     }
-    expect(0, "report --history all.db --out all.html", "6 runs");
-    expect(0, "report --history later.db --out later.html", "6 runs");
+    expect(0, "report --history all.db --out all.html", "7 runs");
+    expect(0, "report --history later.db --out later.html", "7 runs");
+    expect(0, "report --history both.db --out both.html", "14 runs");
+    refuses("", "merge slice/slice.json overlap/overlap.json --out m",
+            "overlap/overlap.json: it is a table of `overlap`, slice/slice.json one of `slice`");
+    refuses("", "merge run slice/slice.json --out m", "it is a table of `slice`, run one of `run`");
+    refuses("", "merge slice/slice.json", "--out DIR says");
+    refuses("", "report slice/slice.json changed/slice.json", "merge several");
     refuses("", "slice --scene tets:side=2 --builder lbvh --quiet --history /nowhere/a.db",
             "/nowhere/a.db");
+}
+
+/* Merging refuses what would mix devices or geometries, and runs that are no numbers. */
+static void what_cannot_be_merged_is_refused(void **state)
+{
+    (void)state;
+    change c = none;
+    write_table("a.json", none);
+    c.device = "another card";
+    write_table("device.json", c);
+    refuses("", "merge a.json device.json --out m --history none.db", "measured on another card");
+    c = none;
+    c.hash = "fedcba9876543210";
+    write_table("scene.json", c);
+    refuses("", "merge a.json scene.json --out m --history none.db", "other geometry");
+    bb_table *table = make_table(none);
+    char path[600];
+    bb_table_row(table, (bb_cell){{[BB_RUN] = "x"}});
+    snprintf(path, sizeof path, "%s/numbers.json", folder);
+    ASSERT_OK(bb_table_write(table, path));
+    bb_table_free(table);
+    refuses("", "merge a.json numbers.json --out m --history none.db", "the run 'x' is no number");
+    refuses("", "report --history none.db", "none.db"); /* nothing was appended */
+}
+
+/* Pictures of one name are both kept. */
+static void pictures_of_both_runs_are_kept(void **state)
+{
+    (void)state;
+    static const bb_column picture = COLUMN("picture", "picture", "", TEXT, EXACT, NEITHER);
+    char path[600], text[64];
+    for (int i = 0; i < 2; i++) {
+        bb_table *table = make_table(none);
+        snprintf(path, sizeof path, "%s/p%d", folder, i);
+        assert_int_equal(mkdir(path, 0777), 0);
+        bb_table_set_text(table, bb_table_find(table, (bb_cell){{[BB_SCENE] = "tets"}}), &picture,
+                          "a.png");
+        snprintf(path, sizeof path, "%s/p%d/slice.json", folder, i);
+        ASSERT_OK(bb_table_write(table, path));
+        bb_table_free(table);
+        snprintf(text, sizeof text, "p%d/a.png", i);
+        write_file(text, i == 0 ? "one" : "two", 3);
+    }
+    expect(0, "merge p0/slice.json p1/slice.json --out pm", "");
+    read_file("pm/a.png", text, sizeof text);
+    assert_string_equal(text, "one");
+    read_file("pm/2-a.png", text, sizeof text);
+    assert_string_equal(text, "two");
 }
 
 static void damaged_tables_are_refused(void **state)
@@ -287,6 +405,8 @@ int main(void)
         cmocka_unit_test(files_of_tables_are_compared),
         cmocka_unit_test(tables_are_told_from_results),
         cmocka_unit_test(commands_write_what_is_compared),
+        cmocka_unit_test(what_cannot_be_merged_is_refused),
+        cmocka_unit_test(pictures_of_both_runs_are_kept),
         cmocka_unit_test(damaged_tables_are_refused),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);

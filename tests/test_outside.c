@@ -384,7 +384,12 @@ static void rays_made_by_hand_are_judged_as_given(void **state)
     assert_non_null(strstr(page, "\"rays_source\":\"as given\""));
     make_rays("sphere-mesh:n=8", "random", "a.rays");
     trace("a.rays a.hits");
-    expect(0, "judge --scene sphere-mesh:n=8 --rays-file a.rays --hits a.hits --out made", "right");
+    expect(0,
+           "judge --scene sphere-mesh:n=8 --rays-file a.rays --hits a.hits --out made --history "
+           "made.db",
+           "right");
+    expect(0, "report --history made.db --out made.html", "1 run");
+    expect(0, "compare made made", "nothing is worse");
     json = read_results("made/results.json");
     trace_record = cJSON_GetArrayItem(cJSON_GetObjectItem(json, "traces"), 0);
     assert_string_equal(cJSON_GetStringValue(cJSON_GetObjectItem(trace_record, "rays_source")),

@@ -90,7 +90,7 @@ static bb_status read_file(const char *argument, bb_cell_set *set)
     bb_table_file file;
     bb_status status = bb_table_file_read(argument, &file);
     if (status == BB_OK)
-        status = bb_cell_set_of_table(file.table, argument, set);
+        status = bb_cell_set_of_table(bb_table_of_file(&file), argument, set);
     bb_table_file_free(&file);
     return status;
 }

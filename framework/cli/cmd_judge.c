@@ -7,6 +7,7 @@
 #include "framework/cli/choice.h"
 #include "framework/cli/inputs.h"
 #include "framework/cli/out_option.h"
+#include "framework/cli/output.h"
 #include "framework/exchange/exchange_file.h"
 #include "framework/judge/judge.h"
 #include "framework/record/record.h"
@@ -36,7 +37,8 @@ typedef struct job {
     bb_names rays, hits, speeds;
     const char *scene_name, *tracer;
     const char *folder; /* NULL: no results are written */
-    uint32_t by_hand;   /* --verify no: no workload made the rays */
+    const char *history;
+    uint32_t by_hand; /* --verify no: no workload made the rays */
     double max_wrong_ppm;
     double start;
     bb_spec name;
@@ -60,6 +62,7 @@ static const bb_cli_option options[] = {
      BB_INTO(job, by_hand), .words = "yes|no", .fallback = "yes"},
     {"out", "DIR", "folder for results.json and report.html; default: not written",
      BB_INTO(job, folder)},
+    BB_HISTORY_OPTION(job, history),
     {.name = NULL},
 };
 
@@ -269,11 +272,19 @@ static bb_status begin_again(const job *j, uint32_t set, bb_results *results)
     return BB_OK;
 }
 
-static bb_status write_results(const bb_cli *cli, const job *j)
+static bb_status write_folder(bb_results *results, const char *folder)
 {
     char json[PATH_MAX], html[PATH_MAX];
-    BB_TRY(bb_join_path(json, j->folder, "results.json"));
-    BB_TRY(bb_join_path(html, j->folder, "report.html"));
+    BB_TRY(bb_join_path(json, folder, "results.json"));
+    BB_TRY(bb_join_path(html, folder, "report.html"));
+    BB_TRY(bb_results_write(results, json));
+    BB_TRY(bb_report_html(results, folder, html));
+    fprintf(stderr, "wrote %s and %s\n", json, html);
+    return BB_OK;
+}
+
+static bb_status keep_results(const bb_cli *cli, const job *j)
+{
     bb_results *results = NULL;
     bb_status status = bb_results_create(&(bb_context){.command = cli->command_line}, &results);
     if (status == BB_OK)
@@ -289,12 +300,10 @@ static bb_status write_results(const bb_cli *cli, const job *j)
         status = bb_results_add_step(results, "judge answers", bb_wall_ms() - j->start);
     if (status == BB_OK)
         status = bb_results_set_total(results, 0, 0, bb_wall_ms() - j->start);
+    if (status == BB_OK && j->folder != NULL)
+        status = write_folder(results, j->folder);
     if (status == BB_OK)
-        status = bb_results_write(results, json);
-    if (status == BB_OK)
-        status = bb_report_html(results, j->folder, html);
-    if (status == BB_OK)
-        fprintf(stderr, "wrote %s and %s\n", json, html);
+        status = bb_output_append(j->history, bb_results_table(results));
     bb_results_destroy(results);
     return status;
 }
@@ -306,6 +315,7 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
     BB_TRY(read_options(j));
     if (j->folder != NULL)
         BB_TRY(bb_out_folder(j->folder));
+    BB_TRY(bb_output_append(j->history, NULL));
     BB_TRY(read_files(j));
     BB_TRY(judge(j));
     for (uint32_t i = 0; i < j->set_count; i++) {
@@ -313,7 +323,7 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
         if (j->sets[i].accuracy.wrong_ppm > j->max_wrong_ppm)
             *exit_status = BB_EXIT_WRONG;
     }
-    return j->folder != NULL ? write_results(cli, j) : BB_OK;
+    return j->folder != NULL || j->history != NULL ? keep_results(cli, j) : BB_OK;
 }
 
 static void release(void *values)

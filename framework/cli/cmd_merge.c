@@ -1,9 +1,10 @@
-/* bvhbench merge: joins the shards of a run. */
+/* bvhbench merge: joins the shards of a run, or puts several runs of a command together. */
 #include "framework/base/file.h"
 #include "framework/cli/earlier.h"
 #include "framework/cli/inputs.h"
 #include "framework/cli/out_option.h"
 #include "framework/cli/output.h"
+#include "framework/cli/report_table.h"
 #include "framework/cli/shard_option.h"
 #include "framework/report/report.h"
 #include "framework/summary/prediction.h"
@@ -14,35 +15,45 @@
 
 enum { PICTURE_BYTES_MAX = 64 << 20 };
 
-/* A result file and its shard. */
+/* A file and its shard. */
 typedef struct part {
     const char *argument;
-    bb_results *results;
-    bb_shard shard; /* its count is 0 for a whole run */
+    bb_table_file file;
+    bb_shard shard;  /* its count is 0 for a whole run */
+    char prefix[16]; /* of its pictures' names in the merged folder */
 } part;
 
 typedef struct merging {
     const char *out, *history;
     part *parts;
     uint32_t count;
+    bb_table_file all; /* the first part, to which the others are added */
 } merging;
 
 static const bb_cli_option options[] = {
-    {"out", "DIR", "folder for results.json, report.html and pictures; needed with several files",
-     BB_INTO(merging, out)},
+    {"out", "DIR", "folder for results.json, report.html and pictures", BB_INTO(merging, out)},
     BB_HISTORY_OPTION(merging, history),
     {.name = NULL},
 };
 
 static bb_status read_part(const char *argument, part *p)
 {
-    char path[PATH_MAX], what[200];
+    char what[200];
     p->argument = argument;
-    BB_TRY(bb_input_path(argument, path));
-    BB_TRY(bb_results_read(path, &p->results));
-    const char *shard = bb_get_text(bb_results_context(p->results), BB_F_CONTEXT_SHARD);
-    snprintf(what, sizeof what, "result file %.120s: \"shard\"", path);
+    BB_TRY(bb_table_file_read(argument, &p->file));
+    if (p->file.results == NULL) /* other commands have no shards */
+        return BB_OK;
+    const char *shard = bb_get_text(bb_results_context(p->file.results), BB_F_CONTEXT_SHARD);
+    snprintf(what, sizeof what, "result file %.120s: \"shard\"", argument);
     return shard[0] != '\0' ? bb_shard_parse(shard, what, &p->shard) : BB_OK;
+}
+
+static bool any_shard(const part *parts, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++)
+        if (parts[i].shard.count > 0)
+            return true;
+    return false;
 }
 
 static int by_index(const void *a, const void *b)
@@ -52,14 +63,12 @@ static int by_index(const void *a, const void *b)
 }
 
 /* Checks that all shards have the same count and none is given twice. */
-static bb_status check_parts(part *parts, uint32_t count)
+static bb_status check_shards(part *parts, uint32_t count)
 {
     qsort(parts, count, sizeof *parts, by_index);
     for (uint32_t i = 0; i < count && count > 1; i++) {
         if (parts[i].shard.count == 0)
-            return bb_fail(BB_INVALID,
-                           "merge: %s is no shard: bvhbench report makes one report of several "
-                           "runs",
+            return bb_fail(BB_INVALID, "merge: %s is no shard: merge whole runs by themselves",
                            parts[i].argument);
         if (parts[i].shard.count != parts[0].shard.count)
             return bb_fail(BB_INVALID, "merge: %s is one of %u shards, %s one of %u",
@@ -91,94 +100,139 @@ static bool say_missing(const part *parts, uint32_t count)
 
 /* ---- the folder ---- */
 
-/* Copies pictures that lie beside their results, under a plain file name. The page names those that
- * are missing. */
-static bb_status copy_pictures(const part *p, const char *folder)
+/* Copies a picture that lies beside the part's file, under a plain file name. The page names those
+ * that are missing. */
+static bb_status copy_picture(const part *p, const char *name, const char *folder, const char *as)
 {
-    char path[PATH_MAX];
+    char path[PATH_MAX], source[PATH_MAX], target[PATH_MAX], *data = NULL;
+    size_t size;
+    if (strchr(name, '/') != NULL || name[0] == '.' || name[0] == '\0')
+        return BB_OK;
     BB_TRY(bb_input_path(p->argument, path));
     char *from = bb_file_folder(path);
-    bb_status status = from != NULL ? BB_OK : bb_fail(BB_FAILED, "merge: no memory");
-    bb_each(picture, bb_results_section(p->results, BB_PICTURES))
-    {
-        const char *name = bb_get_text(picture, BB_F_PICTURE_PATH);
-        char source[PATH_MAX], target[PATH_MAX], *data = NULL;
-        size_t size;
-        if (status != BB_OK || strchr(name, '/') != NULL || name[0] == '.' || name[0] == '\0')
-            continue;
-        status = bb_join_path(source, from, name);
-        if (status == BB_OK)
-            status = bb_join_path(target, folder, name);
-        if (status == BB_OK &&
-            bb_file_read(source, PICTURE_BYTES_MAX, "picture", &data, &size) == BB_OK)
-            status = bb_file_write(target, data, size, "picture");
-        free(data);
-    }
+    bb_status status =
+        from != NULL ? bb_join_path(source, from, name) : bb_fail(BB_FAILED, "merge: no memory");
+    if (status == BB_OK)
+        status = bb_join_path(target, folder, as);
+    if (status == BB_OK &&
+        bb_file_read(source, PICTURE_BYTES_MAX, "picture", &data, &size) == BB_OK)
+        status = bb_file_write(target, data, size, "picture");
+    free(data);
     free(from);
     return status;
 }
 
-static bb_status write_folder(part *parts, uint32_t count, const char *folder)
+static bb_status copy_pictures(const part *p, const char *folder)
 {
-    char json[PATH_MAX], html[PATH_MAX];
-    BB_TRY(bb_join_path(json, folder, "results.json"));
-    BB_TRY(bb_join_path(html, folder, "report.html"));
-    for (uint32_t i = 0; i < count; i++)
-        BB_TRY(copy_pictures(&parts[i], folder));
-    BB_TRY(bb_keep_earlier(folder, false));
-    BB_TRY(bb_predictions_record(parts[0].results));
-    BB_TRY(bb_results_write(parts[0].results, json));
-    BB_TRY(bb_report_html(parts[0].results, folder, html));
+    const bb_results *results = p->file.results;
+    for (uint32_t row = 0; results == NULL && row < bb_table_row_count(bb_table_of_file(&p->file));
+         row++) {
+        const char *as = bb_table_get_text(bb_table_of_file(&p->file), row, "picture");
+        if (as[0] != '\0')
+            BB_TRY(copy_picture(p, as + strlen(p->prefix), folder, as));
+    }
+    for (const bb_entry *picture =
+             results != NULL ? bb_first(bb_results_section(results, BB_PICTURES)) : NULL;
+         picture != NULL; picture = bb_next(picture)) {
+        const char *name = bb_get_text(picture, BB_F_PICTURE_PATH);
+        BB_TRY(copy_picture(p, name, folder, name));
+    }
+    return BB_OK;
+}
+
+static bb_status write_folder(const merging *m)
+{
+    char json[PATH_MAX], html[PATH_MAX], name[80];
+    bb_results *results = m->all.results;
+    const char *command = bb_table_command(bb_table_of_file(&m->all));
+    snprintf(name, sizeof name, "%s.json", results != NULL ? "results" : command);
+    BB_TRY(bb_join_path(json, m->out, name));
+    snprintf(name, sizeof name, "%s.html", results != NULL ? "report" : command);
+    BB_TRY(bb_join_path(html, m->out, name));
+    for (uint32_t i = 0; i < m->count; i++)
+        BB_TRY(copy_pictures(&m->parts[i], m->out));
+    if (results != NULL) {
+        BB_TRY(bb_keep_earlier(m->out, false));
+        BB_TRY(bb_predictions_record(results));
+    }
+    BB_TRY(bb_table_write(bb_table_of_file(&m->all), json));
+    BB_TRY(results != NULL ? bb_report_html(results, m->out, html)
+                           : bb_report_table_page(bb_table_of_file(&m->all), m->out, html));
     printf("\n report   %s\n results  %s\n", html, json);
     return BB_OK;
 }
 
 /* ---- the command ---- */
 
-/* Joins all parts into the first one, and copies the pictures of each part. */
+/* Puts a number in front of the names of pictures: all runs of a command call theirs alike. Those
+ * of results have the names of scenes. */
+static void number_pictures(part *p, uint32_t run)
+{
+    bb_table *table = p->file.other;
+    snprintf(p->prefix, sizeof p->prefix, "%u-", run);
+    for (uint32_t row = 0; table != NULL && row < bb_table_row_count(table); row++) {
+        char as[PATH_MAX];
+        const char *name = bb_table_get_text(table, row, "picture");
+        if (name[0] == '\0')
+            continue;
+        snprintf(as, sizeof as, "%s%s", p->prefix, name);
+        bb_table_set_text(table, row, bb_table_column_named(table, "picture"), as);
+    }
+}
+
+/* Adds a part to the first one: a shard, or a further run. */
+static bb_status add_part(merging *m, part *p, bool shards)
+{
+    const bb_table_file *all = &m->all;
+    if (strcmp(bb_table_command(bb_table_of_file(&p->file)),
+               bb_table_command(bb_table_of_file(all))) != 0)
+        return bb_fail(BB_INVALID, "it is a table of `%s`, %.200s one of `%s`",
+                       bb_table_command(bb_table_of_file(&p->file)), m->parts[0].argument,
+                       bb_table_command(bb_table_of_file(all)));
+    number_pictures(p, bb_table_runs(bb_table_of_file(all)) + 1);
+    return shards                 ? bb_results_join(all->results, p->file.results)
+           : all->results != NULL ? bb_results_merge(all->results, p->file.results)
+                                  : bb_table_merge(all->other, bb_table_of_file(&p->file));
+}
+
+/* Whole runs are appended one by one. */
+static bb_status append(const merging *m, bool shards)
+{
+    for (uint32_t i = 0; i < m->count && !shards; i++)
+        BB_TRY(bb_output_append(m->history, bb_table_of_file(&m->parts[i].file)));
+    return shards ? bb_output_append(m->history, bb_table_of_file(&m->all)) : BB_OK;
+}
+
 static bb_status merge(const bb_cli *cli, merging *m)
 {
     part *parts = m->parts;
     for (uint32_t i = 0; i < m->count; i++)
         BB_TRY(read_part(cli->positional[i], &parts[i]));
-    BB_TRY(check_parts(parts, m->count));
+    const bool shards = any_shard(parts, m->count);
+    if (shards)
+        BB_TRY(check_shards(parts, m->count));
+    BB_TRY(bb_table_file_read(parts[0].argument, &m->all));
     for (uint32_t i = 1; i < m->count; i++) {
-        bb_status status = bb_results_join(parts[0].results, parts[i].results);
+        bb_status status = add_part(m, &parts[i], shards);
         if (status != BB_OK)
             return bb_fail(status, "merge: %.200s: %s", parts[i].argument, bb_message());
     }
-    if (m->count > 1 && m->count == parts[0].shard.count)
-        bb_results_end_join(parts[0].results);
-    BB_TRY(bb_report_verdict(parts[0].results, stdout));
+    if (shards && m->count > 1 && m->count == parts[0].shard.count)
+        bb_results_end_join(m->all.results);
+    if (m->all.results != NULL)
+        BB_TRY(bb_report_verdict(m->all.results, stdout));
     if (m->out != NULL)
-        BB_TRY(write_folder(parts, m->count, m->out));
-    return bb_output_append(m->history, bb_results_table(parts[0].results));
-}
-
-/* A table has no shards, so it can only be appended to a history. */
-static bb_status append_table(const merging *m, const char *path)
-{
-    bb_table *table;
-    if (m->out != NULL || m->history == NULL)
-        return bb_fail(BB_INVALID,
-                       "merge: %.200s is a table, which has no shards: give --history alone", path);
-    BB_TRY(bb_table_read(path, &table));
-    bb_status status = bb_output_append(m->history, table);
-    bb_table_free(table);
-    return status;
+        BB_TRY(write_folder(m));
+    return append(m, shards);
 }
 
 static bb_status run(const bb_cli *cli, void *values, int *exit_status)
 {
     merging *m = values;
-    char path[PATH_MAX];
     const uint32_t count = cli->positional_count;
     if (count == 0)
         return bb_fail(BB_INVALID, "merge: give the result files of shards, or their folders");
-    BB_TRY(bb_input_path(cli->positional[0], path));
-    if (count == 1 && bb_table_is_other(path, "run"))
-        return append_table(m, path);
-    if (m->out == NULL && (count > 1 || m->history == NULL))
+    if (m->out == NULL && m->history == NULL)
         return bb_fail(BB_INVALID, "merge: --out DIR says where the merged run goes");
     BB_TRY(bb_inputs_once(cli));
     m->parts = calloc(count, sizeof *m->parts);
@@ -197,22 +251,23 @@ static void release(void *values)
 {
     merging *m = values;
     for (uint32_t i = 0; i < m->count; i++)
-        bb_results_destroy(m->parts[i].results);
+        bb_table_file_free(&m->parts[i].file);
+    bb_table_file_free(&m->all);
     free(m->parts);
 }
 
 extern const bb_command bb_command_merge;
 const bb_command bb_command_merge = {
     .name = "merge",
-    .summary = "join the shards of a run (run --shard) into one run",
+    .summary = "join the shards of a run (run --shard) into one, or put several runs together",
     .arguments = "FILE|DIR...",
     .details =
         "A folder stands for its results.json. The shards must be of one program, device and "
         "seed,\n"
         "and no cell may be in two of them. Exit status 1: shards are missing; what is there is\n"
-        "merged. With one file and --history, appends a run that is there already, or a table: "
-        "the\n"
-        "file of animate, slice, overlap, volume, stress or advise.\n"
+        "merged. Whole runs of one command, also tables such as slice.json, become one file, in "
+        "which the\n"
+        "second and further ones are numbered; --history appends each of them, also one alone.\n"
         "\n"
         "GNU parallel, on this machine one at a time (times need an idle machine), or on several:\n"
         "  parallel -j 1 bvhbench run --shard {}/4 --out out/shard-{} ::: 1 2 3 4\n"

@@ -151,8 +151,10 @@ static bb_status read_inputs(const bb_cli *cli, bb_results **all, char **folder)
 static bb_status report_table(const bb_cli *cli, const wanted *w, const char *path)
 {
     if (cli->positional_count > 1 || w->google_benchmark)
-        return bb_fail(BB_INVALID, "report: %s is a table of results: give it alone%s", path,
-                       w->google_benchmark ? ", without --google-benchmark" : "");
+        return bb_fail(
+            BB_INVALID,
+            "report: %s is a table of results: give it alone%s, or merge several (bvhbench merge)",
+            path, w->google_benchmark ? ", without --google-benchmark" : "");
     if (w->out != NULL)
         BB_TRY(bb_out_file(w->out, "report"));
     return bb_report_table_file(path,

@@ -10,7 +10,7 @@ typedef struct wanted {
     bb_reproduce_request request;
     bb_bystanders watch; /* of its contests */
     bb_names scenes;
-    const char *folder;
+    const char *folder, *history;
     uint32_t charts;
 } wanted;
 
@@ -30,6 +30,7 @@ static const bb_cli_option options[] = {
     BB_SEED_OPTION(wanted, request.seed),
     {"out", "DIR", "folder for results.json and report.html", BB_INTO(wanted, folder),
      .fallback = "out"},
+    BB_HISTORY_OPTION(wanted, history),
     BB_CHARTS_OPTION(wanted, charts),
     BB_QUIET_OPTION(wanted, request.quiet),
     {.name = NULL},
@@ -64,6 +65,7 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
         .command = cli->command_line,
         .device = &w->device,
         .folder = w->folder,
+        .history = w->history,
         .seed = request->seed,
         .charts = w->charts,
         .quiet = request->quiet,

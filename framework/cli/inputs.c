@@ -25,14 +25,13 @@ bb_status bb_table_file_read(const char *argument, bb_table_file *file)
     char path[PATH_MAX];
     *file = (bb_table_file){NULL};
     BB_TRY(bb_input_path(argument, path));
-    if (bb_table_is_other(path, "run")) {
-        BB_TRY(bb_table_read(path, &file->other));
-        file->table = file->other;
-    } else {
-        BB_TRY(bb_results_read(path, &file->results));
-        file->table = bb_results_table(file->results);
-    }
-    return BB_OK;
+    return bb_table_is_other(path, "run") ? bb_table_read(path, &file->other)
+                                          : bb_results_read(path, &file->results);
+}
+
+const bb_table *bb_table_of_file(const bb_table_file *file)
+{
+    return file->results != NULL ? bb_results_table(file->results) : file->other;
 }
 
 void bb_table_file_free(bb_table_file *file)

@@ -14,13 +14,13 @@ bb_status bb_input_path(const char *argument, char path[PATH_MAX]);
 
 /* A table from a file. Those of `run` are results, whose rows are checked. */
 typedef struct bb_table_file {
-    const bb_table *table;
     bb_results *results; /* NULL: of another command */
     bb_table *other;     /* NULL: of `run` */
 } bb_table_file;
 
 /* Reads the file that an argument names. bb_table_file_free() releases it, even after a failure. */
 bb_status bb_table_file_read(const char *argument, bb_table_file *file);
+const bb_table *bb_table_of_file(const bb_table_file *file);
 void bb_table_file_free(bb_table_file *file);
 
 /* BB_INVALID if two arguments are the same file, which would count twice. */

@@ -6,7 +6,9 @@
 #include "framework/cli/inputs.h"
 #include "framework/dvr/dvr.h"
 #include "framework/overlap/overlap_contest.h"
+#include "framework/report/report.h"
 #include "framework/slice/slice_contest.h"
+#include "framework/stress/stress.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,7 +16,7 @@
 
 static const bb_page_outline *const outlines[] = {
     &bb_animate_outline, &bb_dvr_outline,    &bb_slice_outline,
-    &bb_overlap_outline, &bb_advise_outline,
+    &bb_overlap_outline, &bb_advise_outline, &bb_stress_outline,
 };
 
 static const bb_page_outline *outline_of(const bb_table *table)
@@ -35,42 +37,60 @@ static bb_status print_csv(const bb_table *table)
     return BB_OK;
 }
 
+static bb_status make_page(const bb_table *table, bb_page **page)
+{
+    const bb_page_outline *outline = outline_of(table);
+    return outline != NULL ? bb_outline_page(outline, table, page)
+                           : bb_fail(BB_UNSUPPORTED,
+                                     "report: tables of `%s` are shown as CSV alone: give --csv",
+                                     bb_table_command(table));
+}
+
+bb_status bb_report_table_page(const bb_table *table, const char *folder, const char *path)
+{
+    bb_page *page;
+    if (outline_of(table) == &bb_stress_outline && bb_table_runs(table) == 1)
+        return bb_report_atlas(table, folder, path);
+    BB_TRY(make_page(table, &page));
+    bb_status status = bb_page_html(page, table, folder, path);
+    bb_page_free(page);
+    return status;
+}
+
 /* Writes the page to `out`, or to COMMAND.html in the folder if `out` is NULL. */
-static bb_status write_page(const bb_page *page, const bb_table *table, const char *folder,
-                            const char *out, bool said)
+static bb_status write_page(const bb_table *table, const char *folder, const char *out, bool said)
 {
     char beside[PATH_MAX], name[80];
     snprintf(name, sizeof name, "%s.html", bb_table_command(table));
     BB_TRY(bb_join_path(beside, folder, name));
     out = out != NULL ? out : beside;
-    BB_TRY(bb_page_html(page, table, folder, out));
+    BB_TRY(bb_report_table_page(table, folder, out));
     if (said)
         printf(" report  %s\n", out);
+    return BB_OK;
+}
+
+static bb_status print(const bb_table *table, bb_table_form form)
+{
+    bb_page *page;
+    if (form == BB_TABLE_CSV)
+        return print_csv(table);
+    BB_TRY(make_page(table, &page));
+    if (form == BB_TABLE_MARKDOWN)
+        bb_page_markdown(page, stdout);
+    else
+        bb_page_print(page, stdout);
+    bb_page_free(page);
     return BB_OK;
 }
 
 static bb_status show(const bb_table *table, const char *folder, bb_table_form form,
                       const char *out)
 {
-    bb_page *page;
-    const bb_page_outline *outline = outline_of(table);
-    if (form == BB_TABLE_CSV && out == NULL)
-        return print_csv(table);
-    if (outline == NULL)
-        return bb_fail(BB_UNSUPPORTED, "report: tables of `%s` are shown as CSV alone: give --csv",
-                       bb_table_command(table));
-    BB_TRY(bb_outline_page(outline, table, &page));
-    bb_status status = BB_OK;
-    if (form == BB_TABLE_CSV)
-        status = print_csv(table);
-    else if (form == BB_TABLE_MARKDOWN)
-        bb_page_markdown(page, stdout);
-    else
-        bb_page_print(page, stdout);
-    if (status == BB_OK && (out != NULL || form == BB_TABLE_PAGE))
-        status = write_page(page, table, folder, out, form == BB_TABLE_PAGE);
-    bb_page_free(page);
-    return status;
+    BB_TRY(print(table, form));
+    return out != NULL || form == BB_TABLE_PAGE
+               ? write_page(table, folder, out, form == BB_TABLE_PAGE)
+               : BB_OK;
 }
 
 bb_status bb_report_table_file(const char *path, bb_table_form form, const char *out)

@@ -2,7 +2,7 @@
 #ifndef BB_REPORT_TABLE_H
 #define BB_REPORT_TABLE_H
 
-#include "framework/base/status.h"
+#include "framework/table/table.h"
 
 typedef enum bb_table_form {
     BB_TABLE_PAGE,
@@ -15,5 +15,7 @@ typedef enum bb_table_form {
  * BB_TABLE_PAGE it is COMMAND.html beside the table then. BB_UNSUPPORTED: the table's command has
  * no page; only CSV works for all tables. */
 bb_status bb_report_table_file(const char *path, bb_table_form form, const char *out);
+/* Writes the page of a table whose pictures lie in `folder`, with all runs of a merged table. */
+bb_status bb_report_table_page(const bb_table *table, const char *folder, const char *path);
 
 #endif

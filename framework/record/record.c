@@ -156,28 +156,11 @@ const char *bb_results_reference(const bb_results *results)
 
 /* ---- runs ---- */
 
-const char *bb_run_name(uint32_t run, char text[16])
-{
-    snprintf(text, 16, "%u", run);
-    return run > 0 ? text : NULL;
-}
-
-uint32_t bb_results_new_run(const bb_results *results)
-{
-    uint32_t last = 0;
-    for (uint32_t row = 0; row < bb_table_row_count(results->table); row++) {
-        const uint32_t run =
-            (uint32_t)strtoul(bb_table_name(results->table, row, BB_RUN), NULL, 10);
-        last = run > last ? run : last;
-    }
-    return last + 1;
-}
-
 uint32_t bb_results_begin_run(bb_results *results)
 {
     const bb_entry *last = results->sections[BB_BUILDS].last;
     if (last != NULL && bb_run_of(last) == results->run)
-        results->run = bb_results_new_run(results);
+        results->run = bb_table_runs(results->table);
     return results->run;
 }
 

@@ -245,9 +245,12 @@ char *bb_results_json(const bb_results *results);
 bb_status bb_results_write(const bb_results *results, const char *path);
 /* Reads a table and checks that its rows are those of a run. BB_INVALID names what is wrong. */
 bb_status bb_results_read(const char *path, bb_results **out);
-/* Adds b's rows to a, as rows of further runs: b's context and those merged into b get the next
- * free numbers, and so do its builds, traces, skipped sets, pictures and papers. Times add up; the
- * total is dropped if a or b has none. BB_INVALID if a scene of one name has two geometries. */
+/* Adds b's rows to a, tables of one command, as rows of further runs: the rows of b and of the runs
+ * that were merged into b get the next free numbers. BB_INVALID if a scene of one name has two
+ * geometries, or if the devices differ. */
+bb_status bb_table_merge(bb_table *a, const bb_table *b);
+/* Does the same with results. A scene of both has its rows once, and times of steps add up; the
+ * total is dropped if a or b has none. */
 bb_status bb_results_merge(bb_results *a, const bb_results *b);
 
 /* Adds shard b of a run to a, another shard of it or several that were joined. The context's

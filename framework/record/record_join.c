@@ -85,7 +85,7 @@ static bool same_tree(const bb_entry *a, const bb_entry *b)
 
 /* Rows of one of the shards, of which the other shard is `other`. */
 typedef struct joining {
-    const bb_results *other;
+    const bb_results *own, *other;
     bool is_first;   /* of two builds that nobody measured, the first stays */
     const char *run; /* of builds with another tree than the one that stays */
     bool traces;     /* these are copied, or all others */
@@ -103,26 +103,27 @@ static enum fate fate_of(const joining *j, const bb_entry *build)
     return same_tree(build, known) ? GOES : GETS_RUN;
 }
 
-static bool aim(void *user, const bb_results *to, const bb_results *from, uint32_t row,
+static bool aim(void *user, const bb_table *to, const bb_table *from, uint32_t row,
                 bb_target *target)
 {
     const joining *j = user;
+    (void)from;
     const char **names = target->cell.names;
     const bool made = names[BB_SCENE] != NULL && names[BB_BUILDER] != NULL;
     const bool trace = made && names[BB_QUESTION] != NULL;
     if (trace != j->traces)
         return false;
     if (!made)
-        return bb_results_find(to, target->cell) == NULL; /* of both: that of the first */
+        return bb_table_find(to, target->cell) == BB_NO_ROW; /* of both: that of the first */
     if (trace) {
-        const bb_entry *build = from->entries[row]->build; /* NULL: a part of a trace */
+        const bb_entry *build = j->own->entries[row]->build; /* NULL: a part of a trace */
         if (build != NULL && fate_of(j, build) == GETS_RUN)
             target->tree_run = j->run;
         return true;
     }
     const bb_cell build = {
         {[BB_RUN] = names[BB_RUN], [BB_SCENE] = names[BB_SCENE], [BB_BUILDER] = names[BB_BUILDER]}};
-    const enum fate fate = fate_of(j, bb_results_find(from, build));
+    const enum fate fate = fate_of(j, bb_results_find(j->own, build));
     if (fate == GETS_RUN)
         names[BB_RUN] = j->run;
     return fate != GOES;
@@ -160,12 +161,13 @@ static bb_status join_contexts(bb_entry *context, const bb_entry *other)
 
 static bb_status join_rows(bb_results *sum, const bb_results *a, const bb_results *b)
 {
-    const uint32_t of_a = bb_results_new_run(a), of_b = bb_results_new_run(b);
+    const uint32_t of_a = bb_table_runs(a->table), of_b = bb_table_runs(b->table);
     char run[16];
     bb_run_name(of_a > of_b ? of_a : of_b, run);
     for (int traces = 0; traces < 2; traces++) { /* behind their builds, which may be b's */
-        joining j = {.other = b, .is_first = true, .run = run, .traces = traces == 1};
+        joining j = {.own = a, .other = b, .is_first = true, .run = run, .traces = traces == 1};
         BB_TRY(bb_results_copy(sum, a, aim, &j));
+        j.own = b;
         j.other = a;
         j.is_first = false;
         BB_TRY(bb_results_copy(sum, b, aim, &j));
@@ -181,7 +183,7 @@ bb_status bb_results_join(bb_results *a, const bb_results *b)
     bb_results *sum;
     BB_TRY(check_contexts(a->context, b->context));
     BB_TRY(check_requests(a->context, b->context));
-    BB_TRY(bb_results_check_scenes(a, b));
+    BB_TRY(bb_tables_check_scenes(a->table, b->table));
     BB_TRY(check_cells(a, b));
     BB_TRY(bb_results_make(&sum));
     bb_status status = join_rows(sum, a, b);

@@ -27,8 +27,6 @@ struct bb_results {
     bb_status status; /* of the first entry that could not be added */
 };
 
-enum { BB_RUNS_MAX = 1000000 };
-
 /* The part whose fields the entries of a section have. */
 extern const bb_field_part bb_section_parts[BB_SECTIONS];
 
@@ -43,9 +41,6 @@ bb_entry *bb_results_entry(bb_results *results, bb_cell cell);
 bb_entry *bb_results_part(bb_results *results, const bb_entry *entry, const char *name);
 /* Returns the entry of a cell; NULL: there is none. */
 bb_entry *bb_results_find(const bb_results *results, bb_cell cell);
-/* Returns the number of a new run, and how it is written. */
-uint32_t bb_results_new_run(const bb_results *results);
-const char *bb_run_name(uint32_t run, char text[16]); /* NULL for 0 */
 
 /* Put one value by a field; an entry that is NULL takes none. */
 void bb_put_number(bb_entry *entry, bb_field_id field, double value);
@@ -81,15 +76,16 @@ void bb_put_tree(bb_results *results, bb_entry *entry, const bb_build_record *bu
 void bb_put_missing_key(bb_entry *trace);
 
 /* BB_INVALID if scenes of one name have two geometries: else speeds on these would be compared. */
-bb_status bb_results_check_scenes(const bb_results *a, const bb_results *b);
-/* Where a row is copied when results are put together. */
+bb_status bb_tables_check_scenes(const bb_table *a, const bb_table *b);
+/* Where a row is copied when tables are put together. */
 typedef struct bb_target {
     bb_cell cell;
     const char *tree_run; /* of a trace: the run of its build, if that is another */
 } bb_target;
 /* Changes the target, or returns false to leave the row out. Texts live until the next call. */
-typedef bool bb_target_fn(void *user, const bb_results *to, const bb_results *from, uint32_t row,
+typedef bool bb_target_fn(void *user, const bb_table *to, const bb_table *from, uint32_t row,
                           bb_target *target);
+bb_status bb_table_copy_rows(bb_table *to, const bb_table *from, bb_target_fn *aim, void *user);
 /* Copies the rows of `from`, but for predictions and steps. */
 bb_status bb_results_copy(bb_results *to, const bb_results *from, bb_target_fn *aim, void *user);
 /* Makes `results` those of `made`, which is freed. */

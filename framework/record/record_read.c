@@ -5,8 +5,6 @@
  */
 #include "framework/record/record_private.h"
 
-#include "framework/base/number.h"
-
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
@@ -131,26 +129,11 @@ static bb_status check_needed(const bb_section *section, bb_field_part part)
     return BB_OK;
 }
 
-/* Checks that numbers of runs are written as bb_run_name() does it. */
-static bb_status check_run(const bb_table *table, uint32_t row)
-{
-    char canonical[16];
-    uint64_t number;
-    const char *run = bb_table_name(table, row, BB_RUN);
-    const bool ok = bb_read_whole(run, &number) && number > 0 && number <= BB_RUNS_MAX &&
-                    strcmp(run, bb_run_name((uint32_t)number, canonical)) == 0;
-    return run[0] == '\0' || ok
-               ? BB_OK
-               : bb_fail(BB_INVALID, "rows[%u]: the run '%.40s' is no number from 1 to %d", row,
-                         run, BB_RUNS_MAX);
-}
-
 static bb_status check_rows(bb_results *results)
 {
-    for (uint32_t row = 0; row < bb_table_row_count(results->table); row++) {
-        BB_TRY(check_run(results->table, row));
+    BB_TRY(bb_table_check_runs(results->table));
+    for (uint32_t row = 0; row < bb_table_row_count(results->table); row++)
         BB_TRY(bb_results_enter(results, row));
-    }
     if (results->context == NULL)
         return bb_fail(BB_INVALID, "there is no row without names, of the context");
     for (int s = 0; s < BB_SECTIONS; s++)

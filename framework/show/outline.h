@@ -7,6 +7,7 @@
 typedef struct bb_page_outline {
     const char *command;        /* whose tables it shows */
     const char *title;          /* "bvhbench: slices of meshes" */
+    bool by_question;           /* its sections are of questions; else of scenes */
     const bb_table_view *views; /* for each scene, one after the other */
     uint32_t view_count;
     uint32_t most; /* rows of a view that are shown; 0: all */

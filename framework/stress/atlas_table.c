@@ -55,6 +55,24 @@ BB_EXACT(below, "below", "not yet at", "", "The last x before it.", NEITHER, -1)
 BB_EXACT(ratio, "ratio", "times", "", "How many times its own normal figure.", NEITHER, -1);
 BB_TEXT(returns, "returns", "not throughout", "yes: it does not fail at all x behind.");
 
+static const bb_table_view views[] = {
+    {.caption = "Failures",
+     .with = BB_SET(BB_QUESTION) | BB_SET(BB_MAKER),
+     .rows = BB_SET(BB_BUILDER) | BB_SET(BB_MAKER) | BB_SET(BB_INTERSECTOR),
+     .columns = {{.parts = {"at"}},
+                 {.parts = {"below"}},
+                 {.parts = {"ratio"}},
+                 {.parts = {"from_start"}},
+                 {.parts = {"returns"}}}},
+};
+const bb_page_outline bb_stress_outline = {
+    .command = "stress",
+    .title = "bvhbench: where methods fail",
+    .by_question = true,
+    .views = views,
+    .view_count = 1,
+};
+
 static const char *yes(bool it_is)
 {
     return it_is ? "yes" : NULL;

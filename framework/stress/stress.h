@@ -2,6 +2,7 @@
 #ifndef BB_STRESS_H
 #define BB_STRESS_H
 
+#include "framework/show/outline.h"
 #include "framework/stress/point.h"
 #include "framework/stress/search.h"
 #include "framework/table/table.h"
@@ -69,5 +70,8 @@ bb_status bb_atlas_print(const bb_stress *stress, FILE *out);
 /* Makes a table of the atlas with all figures (framework/stress/README.md). `command` is the
  * command line. The caller owns the table. BB_REFUSED: no memory. */
 bb_status bb_atlas_table(const bb_stress *stress, const char *command, bb_table **out);
+
+/* How that table is printed later, axis by axis. */
+extern const bb_page_outline bb_stress_outline;
 
 #endif

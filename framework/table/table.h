@@ -122,6 +122,19 @@ void bb_table_add_column(bb_table *table, bb_column column);
  * BB_INVALID, as above, if two columns of one name are of different kinds. */
 void bb_table_copy(bb_table *table, uint32_t row, const bb_table *from, uint32_t from_row);
 
+/* ---- runs of a merged table (table_runs.c) ---- */
+
+enum { BB_RUNS_MAX = 1000000 };
+
+/* How a run is written as a name; NULL for 0, the first. */
+const char *bb_run_name(uint32_t run, char text[16]);
+/* How many runs there are. */
+uint32_t bb_table_runs(const bb_table *table);
+/* BB_INVALID if a name of a run is not written in that way. */
+bb_status bb_table_check_runs(const bb_table *table);
+/* The rows of one run as a table of their own, which the caller frees, also after a failure. */
+bb_status bb_table_of_run(const bb_table *table, uint32_t run, bb_table **out);
+
 /* ---- what stands in it ---- */
 
 uint32_t bb_table_row_count(const bb_table *table);
