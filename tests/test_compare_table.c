@@ -297,8 +297,42 @@ static void expect_merged(size_t command)
     expect(0, arguments, "");
 }
 
-/* Every command that writes a table appends it, at once or later; what it wrote compares with
- * itself, and a change of it is found. */
+/* Whether the published schema takes the file, once jq has changed it. */
+static bool fits_schema(const char *file, const char *change)
+{
+    char arguments[1024];
+    snprintf(arguments, sizeof arguments,
+             "-e -L " BB_TEST_SOURCE_DIR "/tests --slurpfile schema " BB_TEST_SOURCE_DIR
+             "/framework/table/table.schema.json 'include \"schema\"; %s | fits($schema[0])' %s",
+             change, file);
+    const outcome *o = run_program("", "jq", arguments);
+    if (o->exit_status > 1 || o->err[0] != '\0')
+        fail_msg("%s: jq, exit %d: %s", file, o->exit_status, o->err);
+    return o->exit_status == 0;
+}
+
+static void the_schema_refuses_what_is_no_table(void)
+{
+    static const char *const changes[] = {".more = 1",
+                                          "del(.command)",
+                                          ".command = \"A b\"",
+                                          ".schema = \"bvhbench-table/2\"",
+                                          ".columns[0].kind = \"other\"",
+                                          ".columns[0].decimals = 1.5",
+                                          ".columns[0].more = 1",
+                                          ".rows[0] = [1]",
+                                          ".rows[0].scene = \"\"",
+                                          ".rows[0].x = null",
+                                          ".rows[0].x = []",
+                                          ".rows[0].x = [1, \"a\"]",
+                                          ".rows[0].x = [range(257)]"};
+    for (size_t i = 0; i < sizeof changes / sizeof changes[0]; i++)
+        if (fits_schema("run/results.json", changes[i]))
+            fail_msg("the schema takes %s", changes[i]);
+}
+
+/* Every command that writes a table appends it, at once or later; what it wrote is as the schema
+ * says, compares with itself, and a change of it is found. */
 static void commands_write_what_is_compared(void **state)
 {
     (void)state;
@@ -311,6 +345,7 @@ static void commands_write_what_is_compared(void **state)
         snprintf(arguments, sizeof arguments, "%s --quiet --out %s --history all.db",
                  commands[i].arguments, commands[i].name);
         expect(0, arguments, "");
+        assert_true(fits_schema(file, "."));
         snprintf(arguments, sizeof arguments, "compare %s %s", file, file);
         expect(0, arguments, "nothing is worse");
         const char *changed = plant_change(i);
@@ -323,6 +358,7 @@ static void commands_write_what_is_compared(void **state)
         expect(0, arguments, "");
         expect_merged(i);
     }
+    the_schema_refuses_what_is_no_table();
     expect(0, "report --history all.db --out all.html", "7 runs");
     expect(0, "report --history later.db --out later.html", "7 runs");
     expect(0, "report --history both.db --out both.html", "14 runs");

@@ -20,7 +20,7 @@ grep -q libembree <<<"$(dpkg-deb -f "$package" Depends)" || fail "does not depen
 grep -q 'pocl-opencl-icd | opencl-icd' <<<"$(dpkg-deb -f "$package" Recommends)" || fail "no OpenCL driver"
 dpkg-deb -x "$package" "$work/root"
 share=$work/root/usr/share
-for file in doc/bvhbench/LICENSE bvhbench/scenes/data/{coffee,mountain,scorpion}.LICENSE.md; do
+for file in doc/bvhbench/LICENSE bvhbench/table.schema.json bvhbench/scenes/data/{coffee,mountain,scorpion}.LICENSE.md; do
     [ -s "$share/$file" ] || fail "no $file"
 done
 
