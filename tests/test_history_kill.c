@@ -110,7 +110,7 @@ static void kills_do_no_damage(void **state)
                          1);
         if (exists("run/results.json")) {
             cJSON *results = read_results("run/results.json");
-            assert_int_equal(cJSON_GetArraySize(cJSON_GetObjectItem(results, "traces")), 4);
+            assert_int_equal(cJSON_GetArraySize(cJSON_GetObjectItem(results, "traces")), 7);
             cJSON_Delete(results);
         }
         if (i % 4 == 3) {

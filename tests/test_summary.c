@@ -449,6 +449,38 @@ static void long_names_are_shortened(void **state)
     bb_results_destroy(results);
 }
 
+/* Traces are divided by the reference that is fastest on the ray set; the words say which. */
+static void the_fastest_reference_is_named(void **state)
+{
+    (void)state;
+    bb_results *d = three_builders();
+    for (int s = 0; s < 2; s++) {
+        const traced t = {.scene = s == 0 ? "a" : "b",
+                          .builder = "other:query=packets",
+                          .rays = "random",
+                          .kernel = "own",
+                          .intersector = "own",
+                          .ms = s == 0 ? 50 : 200,
+                          .reference = true};
+        add_build(d, t.scene, t.builder, 100, true);
+        add_trace(d, &t);
+    }
+    bb_results *results = read_back(d);
+    bb_summary s;
+    assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
+    assert_near(row_of(&s, "slow")->trace.value, sqrt(0.5 * 2.0));
+    assert_int_equal(row_of(&s, "other:query=packets")->yardstick, 1);
+    assert_int_equal(row_of(&s, "other:mode=fast")->yardstick, 1);
+    expect_words(&s, "Reference", "on 1 of 2 ray sets, ");
+    expect_words(&s, "Reference", "packets");
+    bb_summary_free(&s);
+    assert_int_equal(bb_summary_make(results, &(bb_summary_choice){"a", NULL}, &s), BB_OK);
+    assert_int_equal(row_of(&s, "other:query=packets")->yardstick, 1);
+    assert_int_equal(row_of(&s, "other:mode=fast")->yardstick, 0);
+    bb_summary_free(&s);
+    bb_results_destroy(results);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -463,6 +495,7 @@ int main(void)
         cmocka_unit_test(runs_are_not_held_against_each_other),
         cmocka_unit_test(a_busy_machine_is_said),
         cmocka_unit_test(long_names_are_shortened),
+        cmocka_unit_test(the_fastest_reference_is_named),
     };
     return cmocka_run_group_tests_name("summary", tests, NULL, NULL);
 }

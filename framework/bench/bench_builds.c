@@ -229,6 +229,29 @@ static bb_status build_reference(bb_bench *bench, bb_entrant *entrant)
     return BB_OK;
 }
 
+/* Takes the tree and the times of the reference that builds the same tree, and makes sure that the
+ * library has what the query asks for. A reference that was not built, for its failure or an
+ * interruption, stays as it is. */
+static bb_status finish_reference(bb_entrant *entrant)
+{
+    bb_build_record *record = &entrant->record;
+    if (entrant->tree_of != NULL) {
+        const bb_build_record *from = &entrant->tree_of->record;
+        entrant->embree = entrant->tree_of->embree;
+        record->cold_ms = from->cold_ms;
+        record->build_ms = from->build_ms;
+        record->bytes_native = from->bytes_native;
+        if (entrant->embree == NULL && from->status != BB_OK)
+            return bb_fail(from->status, "%s", from->reason);
+    }
+    if (entrant->embree == NULL)
+        return BB_OK;
+    const bb_status status = bb_embree_set_query(entrant->embree, &entrant->spec);
+    if (status != BB_OK)
+        record->build_ms.count = 0; /* nothing is traced with it */
+    return status;
+}
+
 static bb_status build_once(bb_bench *bench, bb_entrant *entrant, bool exact)
 {
     if (entrant->reference)
@@ -346,7 +369,8 @@ static bb_status take_turn(void *self, uint32_t who, uint32_t round, double *ms)
     bb_bench *bench = rounds->bench;
     bb_entrant *entrant = &bench->entrants[who];
     const bool warming = round == BB_WARMING_UP;
-    if (entrant->record.status != BB_OK || (warming && bb_interrupted()))
+    if (entrant->record.status != BB_OK || entrant->tree_of != NULL ||
+        (warming && bb_interrupted()))
         return BB_OK;
     bb_status status = warming ? warm_once(bench, entrant, ms)
                                : build_once(bench, entrant, round >= rounds->plain);
@@ -354,6 +378,17 @@ static bb_status take_turn(void *self, uint32_t who, uint32_t round, double *ms)
         note_failure(entrant, status);
     if (!warming)
         bb_progress_step(bench->progress);
+    return BB_OK;
+}
+
+static bb_status finish_builder(bb_bench *bench, bb_entrant *entrant, bool own)
+{
+    finish_phases(entrant);
+    BB_TRY(bb_bench_tree(bench, entrant));
+    if (own)
+        BB_TRY(measure_transfer(bench, entrant));
+    BB_TRY(measure_tree(bench, entrant));
+    measure_layouts(bench, entrant);
     return BB_OK;
 }
 
@@ -376,16 +411,10 @@ bb_status bb_bench_builds(bb_bench *bench)
         BB_TRY(bb_turns_round(&turns, round));
     for (uint32_t i = 0; i < bench->entrant_count; i++) {
         bb_entrant *entrant = &bench->entrants[i];
-        if (entrant->record.status != BB_OK || entrant->reference || bb_interrupted())
+        if (entrant->record.status != BB_OK || bb_interrupted())
             continue;
-        finish_phases(entrant);
-        bb_status status = bb_bench_tree(bench, entrant);
-        if (status == BB_OK && own)
-            status = measure_transfer(bench, entrant);
-        if (status == BB_OK)
-            status = measure_tree(bench, entrant);
-        if (status == BB_OK)
-            measure_layouts(bench, entrant);
+        bb_status status =
+            entrant->reference ? finish_reference(entrant) : finish_builder(bench, entrant, own);
         if (status != BB_OK)
             note_failure(entrant, status);
     }

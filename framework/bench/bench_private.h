@@ -45,7 +45,8 @@ typedef struct bb_entrant {
     bb_spec spec;         /* of a single builder or a reference; of a pipeline only the text */
     bb_pipeline pipeline; /* of a builder */
     bb_resident *resident;
-    bb_embree *embree; /* of a reference row */
+    bb_embree *embree;          /* of a reference row, which owns it unless: */
+    struct bb_entrant *tree_of; /* the reference that builds the same tree; NULL: none before it */
     bb_build_record record;
     bb_samples phase_samples[BB_RECORD_PHASES_MAX];
 } bb_entrant;

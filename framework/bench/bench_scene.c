@@ -94,6 +94,9 @@ static void start_entrant(bb_bench *bench, bb_entrant *entrant, const char *text
     if (entrant->reference) {
         bb_spec_parse(text, &entrant->spec); /* checked by bb_bench_check() */
         record->options = bb_embree_options;
+        for (bb_entrant *e = bench->entrants; e < entrant && entrant->tree_of == NULL; e++)
+            if (e->reference && bb_embree_same_tree(&e->spec, &entrant->spec))
+                entrant->tree_of = e;
     } else {
         start_pipeline(entrant, text);
     }
@@ -126,8 +129,10 @@ static bb_status record_builds(bb_bench *bench)
         if (strcmp(bb_status_word(entrant->record.status), "failed") == 0 && !entrant->reference)
             bench->outcome->wrong++;
         for (uint32_t b = 0; b < bench->request->builder_count; b++)
-            if (entrant->text == bench->request->builders[b] && entrant->record.status == BB_OK)
-                bench->built[b] = true;
+            if (entrant->text == bench->request->builders[b] &&
+                (entrant->record.status == BB_OK ||
+                 (entrant->reference && entrant->record.status == BB_UNSUPPORTED)))
+                bench->built[b] = true; /* or a library that lacks packets */
         BB_TRY(bb_results_add_build(bench->results, &entrant->record));
     }
     return BB_OK;
@@ -228,7 +233,8 @@ static void end_scene(bb_bench *bench)
     bb_step step = bb_bench_begin(bench);
     for (uint32_t i = 0; i < bench->entrant_count; i++) {
         bb_resident_evict(bench->entrants[i].resident);
-        bb_embree_destroy(bench->entrants[i].embree);
+        if (bench->entrants[i].tree_of == NULL)
+            bb_embree_destroy(bench->entrants[i].embree);
     }
     free(bench->residency.items);
     bench->residency.items = NULL;

@@ -93,8 +93,10 @@ static bb_status trace_reference(trace_set *set, cell *c, uint32_t from, uint32_
     } else {
         memset(hits, 0xEE, count * set->bytes);
     }
+    bb_status status = bb_embree_set_query(c->entrant->embree, &c->entrant->spec);
     double cpu = bb_cpu_ms(), start = bb_wall_ms();
-    bb_status status = bb_embree_trace(c->entrant->embree, rays, count, set->rays->query, hits);
+    if (status == BB_OK)
+        status = bb_embree_trace(c->entrant->embree, rays, count, set->rays->query, hits);
     *timing = (bb_timing){.ms = bb_wall_ms() - start,
                           .cpu_ms = bb_cpu_ms() - cpu,
                           .event_ms = bb_embree_span_ms(c->entrant->embree)};

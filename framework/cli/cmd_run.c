@@ -85,7 +85,10 @@ static bb_status choose_builders(bb_names *names)
         return BB_OK;
     return bb_names_add(names, "embree-native:quality=medium,mode=robust,"
                                "embree-native:quality=medium,mode=fast,"
-                               "embree-native:quality=high,mode=fast");
+                               "embree-native:quality=high,mode=fast,"
+                               "embree-native:quality=high,mode=fast,query=packet8,"
+                               "embree-native:quality=high,mode=fast,query=packet16,"
+                               "embree-native:quality=high,mode=fast,query=stream");
 }
 
 /* Nothing was chosen: the default comparison, which is to take two minutes, with fewer rays, and
@@ -295,7 +298,8 @@ const bb_command bb_command_run = {
     .name = "run",
     .summary = "compare builders: build, trace, judge every answer, report",
     .details =
-        "Three embree-native:... are added as reference rows unless one is among the builders.\n"
+        "Embree with its own trees, tracing ray by ray, by packets and by streams, is added as\n"
+        "reference rows, embree-native:..., unless one is among the builders.\n"
         "--cell takes the key of a measurement: `cell` of a build or trace in results.json.\n"
         "--history appends the run when it is done, in one transaction; before measuring, it "
         "checks that\n"

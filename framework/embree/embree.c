@@ -1,52 +1,27 @@
-/* Embree (3 or 4) as oracle and as reference: its own scene over our triangles and spheres, traced
- * with rtcIntersect1 / rtcOccluded1.
+/* Embree (3 or 4) as oracle and as reference: its own scene over our triangles and spheres.
  *
  * Spheres are RTC_GEOMETRY_TYPE_SPHERE_POINT: the nearest root in the interval counts, so a ray
  * from inside hits the far side. Kinds that Embree does not have are user geometries, intersected
  * in exact arithmetic. Embree counts hits in the closed interval [tmin, tmax], bb_ray's is open;
  * the difference is a single t, within the margin of the arbiter.
  */
-#include "framework/embree/embree.h"
+#include "framework/embree/embree_private.h"
 
 #include "framework/base/clock.h"
-#include "framework/base/threads.h"
 #include "framework/scene/prim.h"
 
-#include "framework/embree/embree_api.h"
 #include <math.h>
-#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#if defined(__SSE__)
-#include <xmmintrin.h>
-#endif
-
-enum { CHUNK = 2048 }; /* rays that a thread takes at once */
-
-/* Argument of Embree's callbacks for a user geometry, one per kind. */
-typedef struct user_kind {
-    const bb_scene *scene;
-    uint32_t kind;
-} user_kind;
-
-struct bb_embree {
-    const bb_scene *of;
-    RTCDevice device;
-    RTCScene scene;
-    bb_pool *pool;
-    uint32_t first_prim[BB_KIND_COUNT]; /* per geometry, in the scene's numbering */
-    uint32_t geometries;
-    user_kind users[BB_KIND_COUNT];
-    atomic_llong bytes;
-    _Atomic int error; /* first error that Embree reported since the last check */
-    char text[200];
-};
 
 const bb_option bb_embree_options[] = {
     {"quality", "medium", "low|medium|high",
      "build quality of Embree's own tree (in robust mode Embree builds high as medium)"},
     {"mode", "robust", "fast|robust", "robust: watertight edges (RTC_SCENE_FLAG_ROBUST)"},
+    {"query", "single", "single|packet4|packet8|packet16|stream",
+     "rays of a call: one (rtcIntersect1), a packet (rtcIntersect4, 8, 16), or a stream "
+     "(rtcIntersect1M, in Embree 3 only)"},
     {NULL, NULL, NULL, NULL},
 };
 
@@ -165,25 +140,47 @@ static float user_t(const user_kind *user, const struct RTCRay *ray, uint32_t pr
     return INFINITY;
 }
 
-/* Called for one ray only: by rtcIntersect1() and rtcOccluded1(). */
+/* What user_t() needs of a ray of a packet. */
+static struct RTCRay ray_of(const void *rays, unsigned int n, unsigned int i)
+{
+    return (struct RTCRay){.org_x = BB_RAY_MEMBER(const float, rays, n, i, BB_RAY_ORG),
+                           .org_y = BB_RAY_MEMBER(const float, rays, n, i, BB_RAY_ORG + 1),
+                           .org_z = BB_RAY_MEMBER(const float, rays, n, i, BB_RAY_ORG + 2),
+                           .tnear = BB_RAY_MEMBER(const float, rays, n, i, BB_RAY_TNEAR),
+                           .dir_x = BB_RAY_MEMBER(const float, rays, n, i, BB_RAY_DIR),
+                           .dir_y = BB_RAY_MEMBER(const float, rays, n, i, BB_RAY_DIR + 1),
+                           .dir_z = BB_RAY_MEMBER(const float, rays, n, i, BB_RAY_DIR + 2),
+                           .tfar = BB_RAY_MEMBER(const float, rays, n, i, BB_RAY_TFAR)};
+}
+
 static void user_intersect(const struct RTCIntersectFunctionNArguments *arguments)
 {
-    struct RTCRayHit *hit = (struct RTCRayHit *)arguments->rayhit;
-    float t = user_t(arguments->geometryUserPtr, &hit->ray, arguments->primID);
-    if (arguments->valid[0] == 0 || !(t < hit->ray.tfar))
-        return;
-    hit->ray.tfar = t;
-    hit->hit.primID = arguments->primID;
-    hit->hit.geomID = arguments->geomID;
-    hit->hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    const unsigned int n = arguments->N;
+    void *rays = arguments->rayhit;
+    for (unsigned int i = 0; i < n; i++) {
+        if (arguments->valid[i] == 0)
+            continue;
+        const struct RTCRay ray = ray_of(rays, n, i);
+        const float t = user_t(arguments->geometryUserPtr, &ray, arguments->primID);
+        if (!(t < ray.tfar))
+            continue;
+        BB_RAY_MEMBER(float, rays, n, i, BB_RAY_TFAR) = t;
+        BB_RAY_MEMBER(unsigned int, rays, n, i, BB_HIT_PRIM) = arguments->primID;
+        BB_RAY_MEMBER(unsigned int, rays, n, i, BB_HIT_GEOMETRY) = arguments->geomID;
+        BB_RAY_MEMBER(unsigned int, rays, n, i, BB_HIT_INSTANCE) = RTC_INVALID_GEOMETRY_ID;
+    }
 }
 
 static void user_occluded(const struct RTCOccludedFunctionNArguments *arguments)
 {
-    struct RTCRay *ray = (struct RTCRay *)arguments->ray;
-    if (arguments->valid[0] != 0 &&
-        user_t(arguments->geometryUserPtr, ray, arguments->primID) < ray->tfar)
-        ray->tfar = -INFINITY;
+    const unsigned int n = arguments->N;
+    for (unsigned int i = 0; i < n; i++) {
+        if (arguments->valid[i] == 0)
+            continue;
+        const struct RTCRay ray = ray_of(arguments->ray, n, i);
+        if (user_t(arguments->geometryUserPtr, &ray, arguments->primID) < ray.tfar)
+            BB_RAY_MEMBER(float, arguments->ray, n, i, BB_RAY_TFAR) = -INFINITY;
+    }
 }
 
 static RTCGeometry user_of(bb_embree *embree, const bb_scene *scene, uint32_t kind)
@@ -252,6 +249,15 @@ bb_status bb_embree_rebuild(bb_embree *embree, double *ms)
     return check(embree, "build");
 }
 
+bool bb_embree_same_tree(const bb_spec *a, const bb_spec *b)
+{
+    for (const bb_option *o = bb_embree_options; o->name != NULL; o++)
+        if (strcmp(o->name, "query") != 0 && strcmp(bb_spec_value(a, bb_embree_options, o->name),
+                                                    bb_spec_value(b, bb_embree_options, o->name)))
+            return false;
+    return true;
+}
+
 uint64_t bb_embree_bytes(const bb_embree *embree)
 {
     return (uint64_t)atomic_load(&embree->bytes);
@@ -306,107 +312,4 @@ void bb_embree_destroy(bb_embree *embree)
         rtcReleaseDevice(embree->device);
     bb_pool_destroy(embree->pool);
     free(embree);
-}
-
-/* ---- tracing ---- */
-
-typedef struct trace_job {
-    bb_embree *embree;
-    const bb_ray *rays;
-    bb_hit *hits;
-} trace_job;
-
-static inline struct RTCRay convert(const bb_ray *ray)
-{
-    return (struct RTCRay){.org_x = ray->o[0],
-                           .org_y = ray->o[1],
-                           .org_z = ray->o[2],
-                           .tnear = ray->tmin,
-                           .dir_x = ray->d[0],
-                           .dir_y = ray->d[1],
-                           .dir_z = ray->d[2],
-                           .tfar = ray->tmax,
-                           .mask = 0xFFFFFFFFu};
-}
-
-/* Returns whether a number of the ray exceeds Embree's limit (FLT_LARGE in its source), beyond
- * which some builds of it abort. */
-static bool is_too_large(const bb_ray *ray)
-{
-    float largest = 0.0f;
-    for (int k = 0; k < 3; k++)
-        largest = fmaxf(largest, fmaxf(fabsf(ray->o[k]), fabsf(ray->d[k])));
-    return largest > 1.8e18f;
-}
-
-static void trace_closest(trace_job *job, size_t begin, size_t end)
-{
-    bb_intersect_arguments arguments;
-    bb_intersect_arguments_init(&arguments);
-    for (size_t i = begin; i < end; i++) {
-        struct RTCRayHit hit = {.ray = convert(&job->rays[i])};
-        hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-        hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-        if (!is_too_large(&job->rays[i]))
-            bb_intersect1(job->embree->scene, &hit, &arguments);
-        if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID)
-            job->hits[i] = (bb_hit){INFINITY, BB_NONE};
-        else
-            job->hits[i] =
-                (bb_hit){hit.ray.tfar, job->embree->first_prim[hit.hit.geomID] + hit.hit.primID};
-    }
-}
-
-static void trace_any(trace_job *job, size_t begin, size_t end)
-{
-    bb_occluded_arguments arguments;
-    bb_occluded_arguments_init(&arguments);
-    for (size_t i = begin; i < end; i++) {
-        struct RTCRay ray = convert(&job->rays[i]);
-        if (!is_too_large(&job->rays[i]))
-            bb_occluded1(job->embree->scene, &ray, &arguments);
-        bool occluded = ray.tfar < 0.0f && isinf(ray.tfar);
-        job->hits[i] = occluded ? (bb_hit){0.0f, BB_UNNAMED} : (bb_hit){INFINITY, BB_NONE};
-    }
-}
-
-/* Traces with flush-to-zero, as Embree requests; it is set here only, so that no other arithmetic
- * changes. */
-static void trace_chunk(trace_job *job, size_t begin, size_t end,
-                        void (*trace)(trace_job *, size_t, size_t))
-{
-#if defined(__SSE__)
-    unsigned int saved = _mm_getcsr();
-    _mm_setcsr(saved | 0x8040u); /* FTZ and DAZ */
-#endif
-    trace(job, begin, end);
-#if defined(__SSE__)
-    _mm_setcsr(saved);
-#endif
-}
-
-static void closest_chunk(void *context, size_t begin, size_t end, uint32_t thread)
-{
-    (void)thread;
-    trace_chunk(context, begin, end, trace_closest);
-}
-
-static void any_chunk(void *context, size_t begin, size_t end, uint32_t thread)
-{
-    (void)thread;
-    trace_chunk(context, begin, end, trace_any);
-}
-
-bb_status bb_embree_trace(bb_embree *embree, const bb_ray *rays, uint32_t count,
-                          const bb_query *query, bb_hit *hits)
-{
-    trace_job job = {.embree = embree, .rays = rays, .hits = hits};
-    if (!query->is_hit)
-        return bb_fail(BB_UNSUPPORTED, "Embree does not answer %s queries", query->name);
-    bb_parallel_for(embree->pool, count, CHUNK, query->any ? any_chunk : closest_chunk, &job);
-    int code = atomic_exchange(&embree->error, RTC_ERROR_NONE);
-    if (code != RTC_ERROR_NONE)
-        return bb_fail(BB_FAILED, "Embree, tracing %u rays: %s (error %d)", count, embree->text,
-                       code);
-    return BB_OK;
 }

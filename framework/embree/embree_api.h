@@ -35,16 +35,21 @@ static inline void bb_occluded_arguments_init(bb_occluded_arguments *arguments)
     BB_INIT_OCCLUDED(arguments);
 }
 
-static inline void bb_intersect1(RTCScene scene, struct RTCRayHit *hit,
-                                 bb_intersect_arguments *arguments)
-{
-    rtcIntersect1(scene, BB_RAY_AND_ARGUMENTS(hit, arguments));
-}
+/* Member `m` of ray `i` of a packet of n rays whose size is known at run time: each member is an
+ * array of n. Embree has such accessors for C++ only. */
+#define BB_RAY_MEMBER(type, rays, n, i, m) (((type *)(rays))[(size_t)(m) * (n) + (i)])
+enum { BB_RAY_ORG = 0, BB_RAY_TNEAR = 3, BB_RAY_DIR = 4, BB_RAY_TFAR = 8 };
+/* of ray and hit together */
+enum { BB_HIT_PRIM = 17, BB_HIT_GEOMETRY = 18, BB_HIT_INSTANCE = 19 };
 
-static inline void bb_occluded1(RTCScene scene, struct RTCRay *ray,
-                                bb_occluded_arguments *arguments)
-{
-    rtcOccluded1(scene, BB_RAY_AND_ARGUMENTS(ray, arguments));
-}
+/* The calls. Of a packet, `valid` has -1 for each ray that is traced, and 0 for others. */
+#define BB_INTERSECT1(scene, hit, arguments)                                                       \
+    rtcIntersect1(scene, BB_RAY_AND_ARGUMENTS(hit, arguments))
+#define BB_OCCLUDED1(scene, ray, arguments)                                                        \
+    rtcOccluded1(scene, BB_RAY_AND_ARGUMENTS(ray, arguments))
+#define BB_INTERSECT_PACKET(n, valid, scene, hits, arguments)                                      \
+    rtcIntersect##n(valid, scene, BB_RAY_AND_ARGUMENTS(hits, arguments))
+#define BB_OCCLUDED_PACKET(n, valid, scene, rays, arguments)                                       \
+    rtcOccluded##n(valid, scene, BB_RAY_AND_ARGUMENTS(rays, arguments))
 
 #endif

@@ -59,8 +59,7 @@ const bb_candidate *bb_fastest(const bb_summary_view *v, uint32_t e, uint32_t se
     return best;
 }
 
-/* Returns the fastest reference of the same run: another run may be of another machine or time. */
-static const bb_candidate *fastest_reference(const bb_summary_view *v, uint32_t set, double run)
+const bb_candidate *bb_fastest_reference(const bb_summary_view *v, uint32_t set, double run)
 {
     const bb_candidate *best = NULL;
     for (uint32_t e = 0; e < v->n->entrant_count; e++) {
@@ -132,7 +131,7 @@ static cost cost_on_rays(const bb_summary_view *v, uint32_t e, uint32_t set, con
         return found;
     }
     const bb_candidate *c = e == BB_FASTEST_REFERENCE
-                                ? fastest_reference(v, set, run)
+                                ? bb_fastest_reference(v, set, run)
                                 : bb_fastest(v, e, set, m->quantity == BB_OF_IMAGE ? m->rays : 0);
     if (c == NULL)
         return found;

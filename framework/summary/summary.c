@@ -136,6 +136,10 @@ static void fill_row(const bb_summary_view *v, uint32_t e, const best *of, bb_su
     bb_mean own = bb_mean_ratio(v, e, BB_NOBODY, &trace),
             speed = {.value = NAN, .rounds = bb_not_measured};
     row->sets = own.units;
+    for (uint32_t i = 0; entrant->reference && i < v->n->set_count; i++) {
+        const bb_candidate *fastest = v->sets[i] ? bb_fastest_reference(v, i, entrant->run) : NULL;
+        row->yardstick += fastest != NULL && fastest->entrant == e;
+    }
     row->mrays_s = 1e3 / own.value;
     if (of->base != BB_NOBODY)
         speed = bb_mean_ratio(v, of->base, e, &trace);

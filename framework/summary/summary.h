@@ -46,8 +46,10 @@ typedef struct bb_summary_row {
     uint32_t sets; /* ray sets for which it has figures */
     /* it lacks some ray sets: it has no rank, is never best, and its means cover less */
     bool partial;
-    bb_standing trace; /* rate divided by that of the fastest reference, or of the best builder */
-    double mrays_s;    /* geometric mean over its ray sets */
+    bb_standing trace;  /* rate divided by that of the fastest reference, or of the best builder */
+    uint32_t yardstick; /* ray sets on which it is the fastest reference, which others are
+                         * divided by */
+    double mrays_s;     /* geometric mean over its ray sets */
     /* This run cannot tell the builders of a group from its first by their traces. Group 0 is the
      * fastest; UINT32_MAX: no figure. */
     uint32_t group;

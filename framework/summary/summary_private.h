@@ -93,6 +93,10 @@ typedef struct bb_mean {
 /* Returns the entrant's build on a scene. */
 const bb_built *bb_built_of(const bb_summary_view *v, uint32_t e, uint32_t scene);
 
+/* Returns the fastest reference of the run: another run may be of another machine or time. NULL:
+ * the run has none. */
+const bb_candidate *bb_fastest_reference(const bb_summary_view *view, uint32_t set, double run);
+
 /* Returns the entrant's candidate of least cost for `rays` rays (0: by the trace alone); NULL if it
  * has none. */
 const bb_candidate *bb_fastest(const bb_summary_view *v, uint32_t e, uint32_t set, double rays);

@@ -96,6 +96,22 @@ static void say_traces(bb_summary *s)
         say(sentence, "; %s is %.0f %% slower", next->name, 100 * (1 - next->trace.value / best));
 }
 
+/* Which rows of the reference the others are divided by. */
+static void say_yardsticks(bb_summary *s)
+{
+    bb_sentence *sentence = NULL;
+    for (uint32_t i = s->builder_count; i < s->row_count; i++) {
+        const bb_summary_row *row = &s->rows[i];
+        if (row->yardstick == 0)
+            continue;
+        if (sentence == NULL) {
+            sentence = begin(s, "Reference");
+            say(sentence, "%s on %u of %u ray sets", row->name, row->yardstick, s->sets);
+        } else
+            say(sentence, ", %s on %u", row->name, row->yardstick);
+    }
+}
+
 /* Returns the figure of a row by which rows are compared. */
 typedef const bb_standing *(*pick)(const bb_summary_row *, uint32_t);
 
@@ -265,6 +281,8 @@ static void say_accuracy(bb_summary *s)
 void bb_summary_say(bb_summary *summary)
 {
     say_traces(summary);
+    if (summary->reference != NULL)
+        say_yardsticks(summary);
     say_builds(summary);
     say_crossings(summary);
     say_image_at(summary, 1, "For 1 M rays");

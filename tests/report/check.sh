@@ -97,7 +97,7 @@ has '>Build ms [95 %]<' 1
 has '] range</td>' 75                   # 68 traces and 7 builds; of spheres' one round nothing
 has 'Upright lines at the marks are 95 % intervals of the median.' 3
 has 'inf_nan round_to_nearest fma' 1
-has ', rtcIntersect1/rtcOccluded1' 1
+has ', rtcIntersect and rtcOccluded' 1
 has '<td class="number">4.50</td>' 1
 
 # What the page says of winners and fronts is what gnuplot draws; its script has data blocks per picture.
