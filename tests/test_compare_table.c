@@ -46,8 +46,9 @@ static bb_table *make_table(change c)
     bb_table *table;
     ASSERT_OK(bb_table_create("slice", &table));
     const uint32_t run = bb_run_row(table, NULL, 7, "bvhbench slice");
-    bb_table_set_text(table, run, &bb_run_device, c.device != NULL ? c.device : "a card");
-    bb_table_set_text(table, run, &bb_run_host, "here");
+    bb_table_set_text(table, run, &bb_run_columns[BB_RUN_DEVICE],
+                      c.device != NULL ? c.device : "a card");
+    bb_table_set_text(table, run, &bb_run_columns[BB_RUN_HOST], "here");
     bb_table_set_number(table, run, &nodes, 1e6 * c.search); /* of no cell: it is not compared */
     const uint32_t scene = bb_table_row(table, (bb_cell){{[BB_SCENE] = "tets"}});
     bb_table_set_text(table, scene, &scene_hash, c.hash != NULL ? c.hash : "0123456789abcdef");

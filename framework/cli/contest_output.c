@@ -56,7 +56,7 @@ bb_status bb_contest_output_scene(bb_contest_output *output)
         return BB_OK;
     BB_TRY(bb_page_create(outline->title, &page));
     if (!output->begun)
-        bb_page_say(page, "%s", bb_table_get_text(table, 0, bb_run_device.name));
+        bb_page_say(page, "%s", bb_table_get_text(table, 0, bb_run_columns[BB_RUN_DEVICE].name));
     output->begun = true;
     bb_outline_scene(outline, table, bb_table_name(table, bb_table_row_count(table) - 1, BB_SCENE),
                      page);
@@ -103,7 +103,7 @@ static bb_status write_all(bb_contest_output *output, bb_status status)
     if (!any_measured(output))
         return BB_OK;
     if (status != BB_OK || bb_interrupted())
-        bb_table_set_text(output->table, 0, &bb_run_interrupted, "yes");
+        bb_table_set_text(output->table, 0, &bb_run_columns[BB_RUN_INTERRUPTED], "yes");
     bb_audit_fill(&output->audit, &output->watch, output->table);
     BB_TRY(bb_table_status(output->table));
     if (output->choice->json)

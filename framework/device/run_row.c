@@ -12,36 +12,26 @@
 /* Generated at build time. */
 extern const char bb_build_revision[], bb_build_version[], bb_build_flags[];
 
-static const bb_column date = {.name = "date",
-                               .heading = "Date",
-                               .unit = "",
-                               .help = "When the run began, UTC.",
-                               .kind = BB_COLUMN_TEXT,
-                               .sense = BB_SENSE_TIMED};
-BB_TEXT(revision, "revision", "Revision", "The program's revision.");
-BB_TEXT(version, "version", "Version", "The program's version.");
-const bb_column bb_run_host = BB_TEXT_COLUMN("host", "Host", "The machine's name.");
-BB_TEXT(cpu, "cpu", "Processor", "The machine's processor.");
-BB_EXACT(threads, "cpu_threads", "Threads", "", "Of the processor.", NEITHER, 0);
-BB_TIMED(load_1, "load_1", "Load, 1 min", "", "Before the run.", NEITHER, 2);
-BB_TIMED(load_5, "load_5", "Load, 5 min", "", "Before the run.", NEITHER, 2);
-BB_TIMED(load_15, "load_15", "Load, 15 min", "", "Before the run.", NEITHER, 2);
-const bb_column bb_run_device = BB_TEXT_COLUMN("device", "Device", "The OpenCL device.");
-BB_TEXT(type, "device_type", "Device type", "CPU, or GPU for all other devices.");
-const bb_column bb_run_driver = BB_TEXT_COLUMN("driver", "Driver", "The OpenCL driver's version.");
-BB_TEXT(opencl, "opencl", "OpenCL", "The OpenCL version of the device.");
-BB_EXACT(units, "compute_units", "Compute units", "", "Of the device.", NEITHER, 0);
-BB_TEXT(floats, "float_config", "Floats of the device", "In OpenCL's words.");
-BB_TEXT(handover, "handover", "Handover", "How work-groups hand over data.");
-BB_EXACT(messages, "litmus_messages", "Litmus messages", "", "That the fence was tested by.",
-         NEITHER, 0);
-BB_EXACT(stale, "litmus_stale", "Stale", "", "Of the messages.", NEITHER, 0);
-BB_TEXT(kernels, "kernels", "Kernels", "Where the device code comes from.");
-BB_TEXT(flags, "build_flags", "Build flags", "How the program was compiled.");
-BB_TEXT(seed_column, "seed", "Seed", "The random seed.");
-BB_TEXT(command_column, "command", "Command", "The command line.");
-const bb_column bb_run_interrupted =
-    BB_TEXT_COLUMN("interrupted", "Interrupted", "yes: not all was measured.");
+/* The kinds of run_fields.h. */
+enum { TEXT = BB_COLUMN_TEXT, FLAG = BB_COLUMN_TEXT, NUMBER = BB_COLUMN_NUMBER, SIGNED = 0 };
+
+const bb_column bb_run_columns[BB_RUN_COLUMNS] = {
+#define RUN(id, name, unit, kind, sense, format, decimals, heading, help)                          \
+    [BB_RUN_##id] = {                                                                              \
+        name,    heading, unit, help, (bb_column_kind)(kind), BB_SENSE_##sense, BB_BETTER_NEITHER, \
+        decimals},
+#include "framework/device/run_fields.h"
+};
+
+static void put_text(bb_table *table, uint32_t row, bb_run_column column, const char *text)
+{
+    bb_table_set_text(table, row, &bb_run_columns[column], text);
+}
+
+static void put_number(bb_table *table, uint32_t row, bb_run_column column, double value)
+{
+    bb_table_set_number(table, row, &bb_run_columns[column], value);
+}
 
 static void read_cpu(char *name, size_t capacity)
 {
@@ -81,24 +71,24 @@ static void put_floats(bb_table *table, uint32_t row, cl_device_fp_config config
         if (config & words[i].flag)
             used += (size_t)snprintf(text + used, sizeof text - used, "%s%s", used > 0 ? " " : "",
                                      words[i].word);
-    bb_table_set_text(table, row, &floats, text);
+    put_text(table, row, BB_RUN_FLOATS, text);
 }
 
 static void put_device(bb_table *table, uint32_t row, const bb_device *device)
 {
     const char *kind = device->is_cpu ? BB_DEVICE_CPU : BB_DEVICE_OTHER;
-    bb_table_set_text(table, row, &bb_run_device, device->name);
-    bb_table_set_text(table, row, &type, kind);
-    bb_table_set_text(table, row, &bb_run_driver, device->driver);
-    bb_table_set_text(table, row, &opencl, device->version);
-    bb_table_set_number(table, row, &units, device->compute_units);
+    put_text(table, row, BB_RUN_DEVICE, device->name);
+    put_text(table, row, BB_RUN_DEVICE_TYPE, kind);
+    put_text(table, row, BB_RUN_DRIVER, device->driver);
+    put_text(table, row, BB_RUN_OPENCL, device->version);
+    put_number(table, row, BB_RUN_UNITS, device->compute_units);
     put_floats(table, row, device->float_config);
-    bb_table_set_text(table, row, &handover, bb_handover_word(device));
+    put_text(table, row, BB_RUN_HANDOVER, bb_handover_word(device));
     if (device->litmus_pairs > 0) {
-        bb_table_set_number(table, row, &messages, device->litmus_pairs);
-        bb_table_set_number(table, row, &stale, device->litmus_stale);
+        put_number(table, row, BB_RUN_LITMUS, device->litmus_pairs);
+        put_number(table, row, BB_RUN_STALE, device->litmus_stale);
     }
-    bb_table_set_text(table, row, &kernels, device->sources);
+    put_text(table, row, BB_RUN_KERNELS, device->sources);
 }
 
 static void put_machine(bb_table *table, uint32_t row)
@@ -107,16 +97,16 @@ static void put_machine(bb_table *table, uint32_t row)
     double load[3];
     const long count = sysconf(_SC_NPROCESSORS_ONLN);
     if (gethostname(name, sizeof name - 1) == 0)
-        bb_table_set_text(table, row, &bb_run_host, name);
+        put_text(table, row, BB_RUN_HOST, name);
     read_cpu(name, sizeof name);
-    bb_table_set_text(table, row, &cpu, name);
+    put_text(table, row, BB_RUN_CPU, name);
     if (count > 0)
-        bb_table_set_number(table, row, &threads, (double)count);
+        put_number(table, row, BB_RUN_THREADS, (double)count);
     if (getloadavg(load, 3) != 3)
         return;
-    bb_table_set_number(table, row, &load_1, load[0]);
-    bb_table_set_number(table, row, &load_5, load[1]);
-    bb_table_set_number(table, row, &load_15, load[2]);
+    put_number(table, row, BB_RUN_LOAD_1, load[0]);
+    put_number(table, row, BB_RUN_LOAD_5, load[1]);
+    put_number(table, row, BB_RUN_LOAD_15, load[2]);
 }
 
 uint32_t bb_run_row(bb_table *table, const bb_device *device, uint64_t seed, const char *command)
@@ -127,15 +117,15 @@ uint32_t bb_run_row(bb_table *table, const bb_device *device, uint64_t seed, con
     const uint32_t row = bb_table_row(table, (bb_cell){{NULL}});
     gmtime_r(&now, &utc);
     strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
-    bb_table_set_text(table, row, &date, text);
-    bb_table_set_text(table, row, &revision, bb_build_revision);
-    bb_table_set_text(table, row, &version, bb_build_version);
+    put_text(table, row, BB_RUN_DATE, text);
+    put_text(table, row, BB_RUN_REVISION, bb_build_revision);
+    put_text(table, row, BB_RUN_VERSION, bb_build_version);
     put_machine(table, row);
     if (device != NULL)
         put_device(table, row, device);
-    bb_table_set_text(table, row, &flags, bb_build_flags);
+    put_text(table, row, BB_RUN_FLAGS, bb_build_flags);
     snprintf(text, sizeof text, "%" PRIu64, seed);
-    bb_table_set_text(table, row, &seed_column, text);
-    bb_table_set_text(table, row, &command_column, command);
+    put_text(table, row, BB_RUN_SEED, text);
+    put_text(table, row, BB_RUN_COMMAND, command);
     return row;
 }

@@ -10,9 +10,14 @@
 #define BB_DEVICE_CPU "CPU"
 #define BB_DEVICE_OTHER "GPU" /* whatever is no CPU */
 
-/* Columns of that row which others fill, too. Interrupted, "yes": what is there is whole, but it is
- * not all that was asked for. */
-extern const bb_column bb_run_device, bb_run_driver, bb_run_host, bb_run_interrupted;
+/* Columns of that row, of run_fields.h. Interrupted, "yes": what is there is whole, but it is not
+ * all that was asked for. */
+typedef enum bb_run_column {
+#define RUN(id, name, unit, kind, sense, format, decimals, heading, help) BB_RUN_##id,
+#include "framework/device/run_fields.h"
+    BB_RUN_COLUMNS
+} bb_run_column;
+extern const bb_column bb_run_columns[BB_RUN_COLUMNS];
 
 /* Fills the row and returns it: date, revision, version, host, cpu, cpu_threads, the load of 1, 5
  * and 15 minutes; of the device (NULL: none) its name, type, driver, opencl, compute_units,

@@ -2,6 +2,7 @@
 
 #include "framework/base/clock.h"
 #include "framework/device/device_private.h"
+#include "framework/device/run_row.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -106,20 +107,14 @@ void bb_audit_total(bb_audit *audit, double build_ms, double trace_ms, double st
             build_ms, trace_ms, steps_ms, total_ms);
 }
 
-BB_TIMED(timings, "timings", "Timings checked", "", "By a second clock.", NEITHER, 0);
-BB_TIMED(complaints, "clock_complaints", "Contradictions of clocks", "", "Of these timings.",
-         NEITHER, 0);
-BB_TEXT(complaint, "clock_complaint", "First contradiction", "In words.");
-BB_TIMED(others, "busy_processors", "Processors kept busy", "", "By other programs.", NEITHER, 2);
-
 void bb_audit_fill(const bb_audit *audit, const bb_bystanders *watch, bb_table *table)
 {
     const uint32_t row = bb_table_row(table, (bb_cell){{NULL}});
-    bb_table_set_number(table, row, &timings, (double)audit->timings);
-    bb_table_set_number(table, row, &complaints, audit->complaints);
+    bb_table_set_number(table, row, &bb_run_columns[BB_RUN_AUDIT_TIMINGS], (double)audit->timings);
+    bb_table_set_number(table, row, &bb_run_columns[BB_RUN_AUDIT_COMPLAINTS], audit->complaints);
     if (audit->complaints > 0)
-        bb_table_set_text(table, row, &complaint, audit->texts[0]);
-    bb_table_set_number(table, row, &others, bb_bystanders_share(watch));
+        bb_table_set_text(table, row, &bb_run_columns[BB_RUN_AUDIT_TEXTS], audit->texts[0]);
+    bb_table_set_number(table, row, &bb_run_columns[BB_RUN_OTHERS], bb_bystanders_share(watch));
 }
 
 bool bb_audit_blame(const bb_audit *audit)

@@ -17,52 +17,9 @@
 /* clang-format off */
 
 /* ---- context ---- */
-FIELD(CONTEXT_DATE, CONTEXT, "date", "", TEXT, LATER, AS_TEXT, "Date", NULL)
-FIELD(CONTEXT_REVISION, CONTEXT, "revision", "", TEXT, LATER, AS_TEXT, "Revision", NULL)
-FIELD(CONTEXT_VERSION, CONTEXT, "version", "", TEXT, LATER, AS_TEXT, NULL, NULL)
-FIELD(CONTEXT_HOST, CONTEXT, "host", "", TEXT, LATER, AS_TEXT, "Host", NULL)
-FIELD(CONTEXT_CPU, CONTEXT, "cpu", "", TEXT, LATER, AS_TEXT, "Processor", NULL)
-FIELD(CONTEXT_THREADS, CONTEXT, "cpu_threads", "", NUMBER, LATER, AS_WHOLE, NULL, NULL)
-FIELD(CONTEXT_LOAD_1, CONTEXT, "load_1", "", NUMBER, LATER, AS_FIGURE, "Load, 1 min", NULL)
-FIELD(CONTEXT_LOAD_5, CONTEXT, "load_5", "", NUMBER, LATER, AS_FIGURE, "Load, 5 min", NULL)
-FIELD(CONTEXT_LOAD_15, CONTEXT, "load_15", "", NUMBER, LATER, AS_FIGURE, "Load, 15 min", NULL)
-FIELD(CONTEXT_OTHERS, CONTEXT, "busy_processors", "", NUMBER, LATER, AS_FIGURE, "Other programs",
-      "processors that they kept busy during the run, on average")
-FIELD(CONTEXT_DEVICE, CONTEXT, "device", "", TEXT, LATER, AS_TEXT, "Device", NULL)
-FIELD(CONTEXT_DEVICE_TYPE, CONTEXT, "device_type", "", TEXT, LATER, AS_TEXT, NULL, NULL)
-FIELD(CONTEXT_DRIVER, CONTEXT, "driver", "", TEXT, LATER, AS_TEXT, "Driver", NULL)
-FIELD(CONTEXT_OPENCL, CONTEXT, "opencl", "", TEXT, LATER, AS_TEXT, "OpenCL", NULL)
-FIELD(CONTEXT_UNITS, CONTEXT, "compute_units", "", NUMBER, LATER, AS_WHOLE, "Compute units", NULL)
-FIELD(CONTEXT_FLOATS, CONTEXT, "float_config", "", TEXT, LATER, AS_TEXT, "Floats of the device",
-      NULL)
-FIELD(CONTEXT_HANDOVER, CONTEXT, "handover", "", TEXT, LATER, AS_TEXT, NULL, NULL)
-FIELD(CONTEXT_LITMUS, CONTEXT, "litmus_messages", "", NUMBER, LATER, AS_WHOLE, NULL, NULL)
-FIELD(CONTEXT_STALE, CONTEXT, "litmus_stale", "", NUMBER, LATER, AS_WHOLE, NULL, NULL)
-FIELD(CONTEXT_KERNELS, CONTEXT, "kernels", "", TEXT, LATER, AS_TEXT, "Kernels", NULL)
-FIELD(CONTEXT_PROGRAMS, CONTEXT, "programs", "", NUMBER, LATER, AS_WHOLE, "Programs compiled",
-      "programs of device code")
-FIELD(CONTEXT_COMPILE, CONTEXT, "compile_ms", "ms", NUMBER, LATER, AS_FIGURE, "Compiling",
-      "wall time of the driver's compiler, without what it leaves for first launches")
-FIELD(CONTEXT_CACHE, CONTEXT, "kernel_cache", "", TEXT, LATER, AS_TEXT, "Kernel cache",
-      "cold: compiled again, the slowest program takes less than a third of the time; warm: it "
-      "does not, so it came from the driver's cache, or there is none")
-FIELD(CONTEXT_EMBREE, CONTEXT, "embree_version", "", TEXT, LATER, AS_TEXT, "Embree", NULL)
-FIELD(CONTEXT_EMBREE_API, CONTEXT, "embree_api", "", TEXT, LATER, AS_TEXT, "Embree's calls", NULL)
-FIELD(CONTEXT_FLAGS, CONTEXT, "build_flags", "", TEXT, LATER, AS_TEXT, "Build flags", NULL)
-FIELD(CONTEXT_SEED, CONTEXT, "seed", "", TEXT, LATER, AS_TEXT, "Seed", NULL)
-FIELD(CONTEXT_COMMAND, CONTEXT, "command", "", TEXT, LATER, AS_TEXT, "Command", NULL)
-FIELD(CONTEXT_SHARD, CONTEXT, "shard", "", TEXT, LATER, AS_TEXT, "Shard",
-      "which part of the cells, of how many")
-FIELD(CONTEXT_SHARD_OF, CONTEXT, "shard_of", "", TEXT, LATER, AS_TEXT, NULL, NULL)
-FIELD(CONTEXT_SHARDS, CONTEXT, "shards", "", TEXT, LATER, AS_TEXT, "Merged from",
-      "shards of one run, with their hosts")
-FIELD(CONTEXT_INTERRUPTED, CONTEXT, "interrupted", "", FLAG, LATER, AS_TEXT, NULL, NULL)
-FIELD(CONTEXT_AUDIT_TIMINGS, CONTEXT, "timings", "", NUMBER, LATER, AS_FIGURE, NULL, NULL)
-FIELD(CONTEXT_AUDIT_RATES, CONTEXT, "rates", "", NUMBER, LATER, AS_FIGURE, NULL, NULL)
-FIELD(CONTEXT_AUDIT_REST, CONTEXT, "rest_ms", "ms", SIGNED | NUMBER, LATER, AS_FIGURE, NULL, NULL)
-FIELD(CONTEXT_AUDIT_COMPLAINTS, CONTEXT, "clock_complaints", "", NUMBER, LATER, AS_FIGURE, NULL,
-      NULL)
-FIELD(CONTEXT_AUDIT_TEXTS, CONTEXT, "clock_complaint", "", TEXT, LATER, AS_TEXT, NULL, NULL)
+#define RUN(id, name, unit, kind, sense, format, decimals, heading, help) \
+    FIELD(CONTEXT_##id, CONTEXT, name, unit, kind, LATER, format, heading, help)
+#include "framework/device/run_fields.h"
 
 /* ---- steps of the run ---- */
 FIELD(STEP_NAME, STEP, "name", "", NAME(MAKER), LATER, AS_TEXT, NULL, NULL)

@@ -8,29 +8,22 @@
 #include <math.h>
 #include <stdio.h>
 
-/* The column of a field in a table: some of the context are of bb_run_row(). */
-static const bb_column *column_in(const bb_table *table, bb_field_id field)
-{
-    const bb_column *known = bb_table_column_named(table, bb_fields[field].name);
-    return known != NULL ? known : bb_field_column(field);
-}
-
 void bb_put_number(bb_entry *entry, bb_field_id field, double value)
 {
     if (entry != NULL)
-        bb_table_set_number(entry->table, entry->row, column_in(entry->table, field), value);
+        bb_table_set_number(entry->table, entry->row, bb_field_column(field), value);
 }
 
 void bb_put_text(bb_entry *entry, bb_field_id field, const char *value)
 {
     if (entry != NULL)
-        bb_table_set_text(entry->table, entry->row, column_in(entry->table, field), value);
+        bb_table_set_text(entry->table, entry->row, bb_field_column(field), value);
 }
 
 void bb_put_rounds(bb_entry *entry, bb_field_id field, const bb_samples *samples)
 {
     if (entry != NULL)
-        bb_table_set_rounds(entry->table, entry->row, column_in(entry->table, field), samples);
+        bb_table_set_rounds(entry->table, entry->row, bb_field_column(field), samples);
 }
 
 void bb_put_flag(bb_entry *entry, bb_field_id field, bool value)

@@ -23,7 +23,7 @@ static bb_status check_column(const bb_table *table, const bb_column *expected)
     const bb_column *column = bb_table_column_named(table, expected->name);
     if (column != NULL && column->kind != expected->kind)
         return bb_fail(BB_INVALID, "the column \"%s\" is of the wrong kind", expected->name);
-    const bool timed = expected->sense == BB_SENSE_TIMED;
+    const bool timed = expected->sense == BB_SENSE_TIMED && expected->unit[0] != '\0';
     return column == NULL || !timed ||
                    (column->sense == BB_SENSE_TIMED && strcmp(column->unit, expected->unit) == 0)
                ? BB_OK

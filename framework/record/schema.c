@@ -2,6 +2,7 @@
 #include "framework/record/schema.h"
 
 #include "framework/base/json.h"
+#include "framework/device/run_row.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -46,6 +47,8 @@ const bb_column *bb_field_column(bb_field_id field)
     while (strcmp(bb_fields[first].name, bb_fields[field].name) != 0 ||
            (bb_fields[first].kind & BB_FIELD_DERIVED) != 0)
         first++;
+    if (bb_fields[first].part == BB_IN_CONTEXT) /* these are the first fields */
+        return &bb_run_columns[first];
     const bb_field *f = &bb_fields[first];
     bb_column *column = &columns[first];
     if (column->name == NULL) {

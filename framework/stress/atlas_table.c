@@ -81,8 +81,8 @@ static const char *yes(bool it_is)
 static void put_run(bb_table *table, const bb_stress *s, const char *command)
 {
     const uint32_t run = bb_run_row(table, NULL, s->request->seed, command);
-    bb_table_set_text(table, run, &bb_run_device, s->device);
-    bb_table_set_text(table, run, &bb_run_driver, s->driver);
+    bb_table_set_text(table, run, &bb_run_columns[BB_RUN_DEVICE], s->device);
+    bb_table_set_text(table, run, &bb_run_columns[BB_RUN_DRIVER], s->driver);
     bb_table_set_text(table, run, &quick, yes(s->request->quick));
     bb_table_set_number(table, run, &rays_per_set, s->max_rays);
     bb_table_set_number(table, run, &rounds, s->repeats);

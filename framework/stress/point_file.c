@@ -84,8 +84,8 @@ bb_status bb_point_write(const bb_point_work *work, const bb_device *device)
     BB_TRY(bb_table_create("stress", &table));
     if (device != NULL) {
         const uint32_t run = bb_table_row(table, (bb_cell){{NULL}});
-        bb_table_set_text(table, run, &bb_run_device, device->name);
-        bb_table_set_text(table, run, &bb_run_driver, device->driver);
+        bb_table_set_text(table, run, &bb_run_columns[BB_RUN_DEVICE], device->name);
+        bb_table_set_text(table, run, &bb_run_columns[BB_RUN_DRIVER], device->driver);
     }
     for (uint32_t i = 0; i < work->count; i++) {
         char value[BB_AXIS_VALUE];
@@ -123,12 +123,12 @@ bb_status bb_point_read(const bb_point_work *work)
     bb_table *table;
     BB_TRY(bb_table_read(work->path, &table));
     const uint32_t run = bb_table_find(table, (bb_cell){{NULL}});
-    const char *device = bb_table_get_text(table, run, bb_run_device.name);
+    const char *device = bb_table_get_text(table, run, bb_run_columns[BB_RUN_DEVICE].name);
     const bool whole = read_values(work, table);
     if (whole && device[0] != '\0') {
         snprintf(p->device, sizeof p->device, "%s", device);
         snprintf(p->driver, sizeof p->driver, "%s",
-                 bb_table_get_text(table, run, bb_run_driver.name));
+                 bb_table_get_text(table, run, bb_run_columns[BB_RUN_DRIVER].name));
     }
     bb_table_free(table);
     return whole ? BB_OK
