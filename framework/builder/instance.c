@@ -45,7 +45,10 @@ static bb_status create_stage(bb_instance *instance, uint32_t i, uint64_t seed)
     /* copies between stages are booked on the pipeline, not on the harness */
     stage->own.copy_account = &instance->account;
     const uint64_t before = instance->account.bytes;
+    bb_terms terms;
+    bb_terms_take(&terms);
     bb_status status = stage->builder->create(&stage->context, &stage->self);
+    status = bb_terms_check(&terms, parsed->label, "create", status);
     stage->bytes = instance->account.bytes - before;
     return status;
 }
@@ -92,8 +95,11 @@ void bb_instance_destroy(bb_instance *instance)
 {
     for (uint32_t i = 0; i < instance->pipeline.count; i++) {
         bb_stage *stage = &instance->stages[i];
+        bb_terms terms;
+        bb_terms_take(&terms);
         if (stage->self != NULL)
             stage->builder->destroy(stage->self);
+        (void)bb_terms_check(&terms, "", "destroy", BB_OK); /* puts back: no row is left to fail */
         bb_tree_release(&stage->own);
     }
     bb_references_release(&instance->references);
@@ -224,7 +230,10 @@ bb_status bb_instance_describe(bb_instance *instance, const bb_scene *scene, cha
         if (stage->builder->describe == NULL)
             continue;
         bb_scene part = bb_stage_part(instance, i, scene);
-        BB_TRY(stage->builder->describe(stage->self, &part, words, sizeof words));
+        bb_terms terms;
+        bb_terms_take(&terms);
+        bb_status status = stage->builder->describe(stage->self, &part, words, sizeof words);
+        BB_TRY(bb_terms_check(&terms, instance->pipeline.stages[i].label, "describe", status));
         bool alone = instance->pipeline.count == 1;
         if (words[0] != '\0' && used < capacity)
             used += (size_t)snprintf(text + used, capacity - used, "%s%s%s%s", used > 0 ? "; " : "",

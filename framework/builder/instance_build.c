@@ -54,21 +54,30 @@ static bb_status get_ready(bb_instance *instance, bb_stage *stage, const bb_scen
                            const bb_scene *part, double *restore_ms)
 {
     const bb_builder *builder = stage->builder;
+    const char *label = instance->pipeline.stages[stage - instance->stages].label;
+    bb_terms terms;
     bool prepared = stage->prepared == scene && stage->prepared_count == part->prim_count;
     if (!prepared && builder->prepare != NULL) {
+        bb_terms_take(&terms);
         double start = bb_wall_ms();
-        BB_TRY(builder->prepare(stage->self, part, bb_is_splitter(builder) ? NULL : stage->tree));
-        BB_TRY(bb_finish(instance->device));
+        bb_status status =
+            builder->prepare(stage->self, part, bb_is_splitter(builder) ? NULL : stage->tree);
+        if (status == BB_OK)
+            status = bb_finish(instance->device);
         stage->prepare_ms = bb_wall_ms() - start;
+        BB_TRY(bb_terms_check(&terms, label, "prepare", status));
     }
     stage->prepared = scene;
     stage->prepared_count = part->prim_count;
     *restore_ms = 0;
     if (builder->restore != NULL) {
+        bb_terms_take(&terms);
         double start = bb_wall_ms();
-        BB_TRY(builder->restore(stage->self, part));
-        BB_TRY(bb_finish(instance->device));
+        bb_status status = builder->restore(stage->self, part);
+        if (status == BB_OK)
+            status = bb_finish(instance->device);
         *restore_ms = bb_wall_ms() - start;
+        BB_TRY(bb_terms_check(&terms, label, "restore", status));
     }
     return warm_up(part);
 }
@@ -167,9 +176,14 @@ static bb_status run_stage(bb_instance *instance, uint32_t i, const bb_scene *sc
     if (stage->tree != NULL)
         stage->tree->refitted = false;
     bb_stopwatch watch;
-    BB_TRY(bb_stopwatch_start(instance->device, &watch));
-    bb_status status = run_hook(instance, i, &part, changed, &step->phases);
-    BB_TRY(bb_stopwatch_stop(&watch, status, &step->timing.timing));
+    bb_terms terms;
+    bb_terms_take(&terms);
+    bb_status status = bb_stopwatch_start(instance->device, &watch);
+    if (status == BB_OK) {
+        status = run_hook(instance, i, &part, changed, &step->phases);
+        status = bb_stopwatch_stop(&watch, status, &step->timing.timing);
+    }
+    BB_TRY(bb_terms_check(&terms, step->label, changed != 0 ? "update" : "build", status));
     step->timing.outside_ms = step->phases.outside_ms;
     step->timing.timing.ms -= step->phases.outside_ms;
     step->peak = stop_meter(instance, stage, &before);

@@ -3,6 +3,7 @@
 #define BB_INSTANCE_PRIVATE_H
 
 #include "framework/builder/instance.h"
+#include "framework/builder/terms.h"
 
 /* Whether a splitter comes before stage `i`. */
 bool bb_stage_is_fed_with_references(const bb_instance *instance, uint32_t i);

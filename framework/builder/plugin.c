@@ -1,5 +1,6 @@
 /* Plug-ins are shared objects, which are inspected before they are trusted. */
 #include "framework/builder/registry.h"
+#include "framework/builder/terms.h"
 
 #include <dlfcn.h>
 #include <errno.h>
@@ -129,10 +130,19 @@ bb_status bb_plugin_load(const char *path)
     int length = snprintf(here, sizeof here, "%s%s", strchr(path, '/') != NULL ? "" : "./", path);
     if (length < 0 || (size_t)length >= sizeof here)
         return bb_fail(BB_INVALID, "plug-in %.60s...: the path is too long", path);
+    bb_terms terms;
+    bb_terms_take(&terms);
     void *object = dlopen(here, RTLD_NOW | RTLD_LOCAL);
+    bb_status status = bb_terms_check(&terms, path, "dlopen", BB_OK);
     if (object == NULL)
         return bb_fail(BB_INVALID, "plug-in %s: cannot be loaded: %s", path, dlerror());
-    bb_status status = take(path, object);
+    if (status == BB_OK)
+        status = take(path, object);
+    else
+        status = bb_fail(BB_INVALID,
+                         "plug-in %s (its constructors do so; -Ofast and -ffast-math link one: "
+                         "build it without)",
+                         bb_message());
     if (status != BB_OK)
         dlclose(object);
     return status; /* a loaded builder stays for the life of the process */

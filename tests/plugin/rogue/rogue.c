@@ -4,9 +4,18 @@
 #include "builders/common/refit.h"
 #include "framework/builder/builder.h"
 
+#include <fenv.h>
 #include <locale.h>
+#include <sched.h>
+#include <signal.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
+#if defined(__SSE__)
+#include <xmmintrin.h>
+#endif
 
 enum { WORK_US = 20000, STACK_MAX = 64 };
 
@@ -14,25 +23,75 @@ typedef struct rogue {
     bb_device *device;
     bool stale, moving, chain, nosy, early, marked, lopsided;
     bool follows, still, forgets; /* has an update() */
-    bool frozen, hangs, comma;
-    bb_box *kept;    /* frozen: what prepare() saw */
-    bool sees_views; /* `view` was given */
+    bool frozen, hangs;
+    const char *term, *at; /* what it changes of the process, and in which hook */
+    bb_box *kept;          /* frozen: what prepare() saw */
+    bool sees_views;       /* `view` was given */
     uint32_t builds;
 } rogue;
 
 static const bb_option options[] = {
     {"kind", "right",
-     "right|stale|moving|chain|nosy|early|marked|form|follows|still|forgets|frozen|hangs|comma",
+     "right|stale|moving|chain|nosy|early|marked|form|follows|still|forgets|frozen|hangs",
      "stale: gives its first tree again and again; moving: another one each time; chain: one "
      "primitive "
      "per level; nosy: fails if it sees what it did not declare; early: works outside the clock; "
      "marked: a side array that is another one each time; form: another tree in form gpu; "
      "follows: refits, which is right; still: does nothing in place of that; forgets: a node; "
-     "frozen: builds over the boxes that it was prepared with; hangs: never ends; comma: sets the "
-     "environment's locale"},
+     "frozen: builds over the boxes that it was prepared with; hangs: never ends"},
+    {"term", "none",
+     "none|rounding|denormals|locale|handler|mask|limit|processors|folder|umask|environment",
+     "changes this of the process"},
+    {"at", "build", "create|prepare|restore|build|describe|destroy", "in this hook"},
     {"view", NULL, NULL, "a view to look at"},
     {.name = NULL},
 };
+
+static void ignore(int signal)
+{
+    (void)signal;
+}
+
+static void change(const char *term)
+{
+    if (strcmp(term, "rounding") == 0)
+        fesetround(FE_UPWARD);
+#if defined(__SSE__)
+    if (strcmp(term, "denormals") == 0)
+        _mm_setcsr(_mm_getcsr() | 0x8040u);
+#endif
+    if (strcmp(term, "locale") == 0)
+        setlocale(LC_ALL, "");
+    if (strcmp(term, "handler") == 0)
+        signal(SIGUSR2, ignore);
+    sigset_t set;
+    sigemptyset(&set);
+    sigaddset(&set, SIGUSR1);
+    if (strcmp(term, "mask") == 0)
+        sigprocmask(SIG_BLOCK, &set, NULL);
+    struct rlimit limit;
+    getrlimit(RLIMIT_CORE, &limit);
+    limit.rlim_cur = limit.rlim_cur == 0 ? 1 : 0;
+    if (strcmp(term, "limit") == 0)
+        setrlimit(RLIMIT_CORE, &limit);
+    cpu_set_t one;
+    CPU_ZERO(&one);
+    CPU_SET(sched_getcpu(), &one);
+    if (strcmp(term, "processors") == 0)
+        sched_setaffinity(0, sizeof one, &one);
+    if (strcmp(term, "folder") == 0 && chdir("/") != 0)
+        abort();
+    if (strcmp(term, "umask") == 0)
+        umask(0777);
+    if (strcmp(term, "environment") == 0)
+        setenv("BVHBENCH_ROGUE", "was here", 1);
+}
+
+static void meddle(const rogue *self, const char *hook)
+{
+    if (strcmp(self->at, hook) == 0)
+        change(self->term);
+}
 
 static bb_status create(const bb_builder_context *context, void **out)
 {
@@ -53,16 +112,20 @@ static bb_status create(const bb_builder_context *context, void **out)
         .forgets = bb_spec_is(context->spec, options, "kind", "forgets"),
         .frozen = bb_spec_is(context->spec, options, "kind", "frozen"),
         .hangs = bb_spec_is(context->spec, options, "kind", "hangs"),
-        .comma = bb_spec_is(context->spec, options, "kind", "comma"),
+        .term = bb_spec_value(context->spec, options, "term"),
+        .at = bb_spec_value(context->spec, options, "at"),
         .sees_views = bb_spec_value(context->spec, NULL, "view") != NULL,
     };
     *out = self;
+    meddle(self, "create");
     return BB_OK;
 }
 
 static void destroy(void *opaque)
 {
     rogue *self = opaque;
+    if (self != NULL)
+        meddle(self, "destroy");
     if (self != NULL)
         bb_host_free(self->kept);
     bb_host_free(self);
@@ -99,8 +162,7 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
         pause();
     if (self->early)
         usleep(WORK_US);
-    if (self->comma && setlocale(LC_ALL, "") == NULL)
-        return bb_fail(BB_FAILED, "rogue: there is no such locale");
+    meddle(self, "prepare");
     if (self->frozen) {
         size_t bytes = scene->prim_count * sizeof *self->kept;
         BB_TRY(bb_host_alloc(NULL, bytes, "rogue: boxes", &self->kept));
@@ -112,6 +174,7 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
 static bb_status restore(void *opaque, const bb_scene *scene)
 {
     rogue *self = opaque;
+    meddle(self, "restore");
     if (self->early)
         usleep(WORK_US);
     return look_around(self, scene);
@@ -198,7 +261,17 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
     if (self->marked)
         BB_TRY(add_marks(self, tree));
     self->builds++;
+    meddle(self, "build");
     return bb_phase(phases, NULL);
+}
+
+static bb_status describe(void *opaque, const bb_scene *scene, char *text, size_t capacity)
+{
+    (void)scene;
+    if (capacity > 0)
+        text[0] = '\0';
+    meddle(opaque, "describe");
+    return BB_OK;
 }
 
 static bb_status update(void *opaque, const bb_scene *scene, uint32_t changed, bb_tree *tree,
@@ -239,5 +312,6 @@ const bb_builder bb_builder_rogue = {
     .build = build,
     .update = update,
     .restore = restore,
+    .describe = describe,
     .destroy = destroy,
 };

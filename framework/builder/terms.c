@@ -1,0 +1,233 @@
+#include "framework/builder/terms.h"
+
+#include "framework/base/interrupt.h"
+
+#include <fcntl.h>
+#include <locale.h>
+#include <pthread.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#include <xxhash.h>
+#if defined(__SSE__)
+#include <xmmintrin.h>
+#endif
+
+extern char **environ;
+
+/* ---- one term each: take it, compare it, put it back ---- */
+
+static uint32_t float_control(void)
+{
+#if defined(__SSE__)
+    return _mm_getcsr() & ~0x3Fu; /* without the flags that operations raise */
+#elif defined(__aarch64__)
+    uint64_t fpcr;
+    __asm__ volatile("mrs %0, fpcr" : "=r"(fpcr));
+    return (uint32_t)fpcr;
+#else
+    return 0;
+#endif
+}
+
+static uint64_t hash_environment(void)
+{
+    uint64_t hash = 0;
+    for (char **v = environ; v != NULL && *v != NULL; v++)
+        hash = XXH3_64bits_withSeed(*v, strlen(*v) + 1, hash);
+    return hash;
+}
+
+static void free_variables(char **variables)
+{
+    for (char **v = variables; v != NULL && *v != NULL; v++)
+        free(*v);
+    free(variables);
+}
+
+static char **copy_variables(void)
+{
+    size_t count = 0;
+    for (char **v = environ; v != NULL && *v != NULL; v++)
+        count++;
+    char **copy = calloc(count + 1, sizeof *copy);
+    for (size_t i = 0; copy != NULL && i < count; i++) {
+        copy[i] = strdup(environ[i]);
+        if (copy[i] == NULL) {
+            free_variables(copy);
+            return NULL;
+        }
+    }
+    return copy;
+}
+
+static void restore_variables(char *const *variables)
+{
+    clearenv();
+    for (; variables != NULL && *variables != NULL; variables++) {
+        const char *equals = strchr(*variables, '=');
+        char *name = equals != NULL ? strndup(*variables, (size_t)(equals - *variables)) : NULL;
+        if (name != NULL)
+            setenv(name, equals + 1, 1);
+        free(name);
+    }
+}
+
+/* Compares the handler and how it is called. */
+static bool same_handler(const struct sigaction *a, const struct sigaction *b)
+{
+    const int flags = SA_SIGINFO | SA_RESETHAND | SA_NODEFER;
+    return (a->sa_flags & flags) == (b->sa_flags & flags) &&
+           ((a->sa_flags & SA_SIGINFO) != 0 ? a->sa_sigaction == b->sa_sigaction
+                                            : a->sa_handler == b->sa_handler);
+}
+
+static bool handlers_changed(const bb_terms *terms)
+{
+    bool changed = false;
+    for (int s = 1; s < BB_TERMS_SIGNALS; s++) {
+        struct sigaction now;
+        if (sigaction(s, NULL, &now) != 0 || same_handler(&now, &terms->signals[s]) ||
+            (bb_interrupted() && now.sa_handler == SIG_DFL)) /* bb_interrupt_catch() */
+            continue;
+        changed = true;
+        sigaction(s, &terms->signals[s], NULL);
+    }
+    return changed;
+}
+
+static bool mask_changed(const bb_terms *terms)
+{
+    sigset_t now;
+    pthread_sigmask(SIG_BLOCK, NULL, &now);
+    for (int s = 1; s < BB_TERMS_SIGNALS; s++)
+        if (sigismember(&now, s) != sigismember(&terms->mask, s))
+            return true;
+    return false;
+}
+
+/* Puts back what can be: a hard limit stays lowered without privilege. */
+static bool limits_changed(const bb_terms *terms)
+{
+    bool changed = false;
+    for (int r = 0; r < RLIM_NLIMITS; r++) {
+        struct rlimit now;
+        const struct rlimit *then = &terms->limits[r];
+        if (getrlimit((unsigned)r, &now) != 0 ||
+            (now.rlim_cur == then->rlim_cur && now.rlim_max == then->rlim_max))
+            continue;
+        changed = true;
+        setrlimit((unsigned)r, then);
+    }
+    return changed;
+}
+
+static bool folder_changed(const bb_terms *terms)
+{
+    struct stat now;
+    return stat(".", &now) != 0 || now.st_dev != terms->folder.st_dev ||
+           now.st_ino != terms->folder.st_ino;
+}
+
+static mode_t umask_now(void)
+{
+    const mode_t now = umask(0);
+    umask(now);
+    return now;
+}
+
+/* ---- all ---- */
+
+void bb_terms_take(bb_terms *terms)
+{
+    memset(terms, 0, sizeof *terms);
+    fegetenv(&terms->floats);
+    terms->rounding = fegetround();
+    terms->float_control = float_control();
+    snprintf(terms->locale, sizeof terms->locale, "%s", setlocale(LC_ALL, NULL));
+    for (int s = 1; s < BB_TERMS_SIGNALS; s++)
+        sigaction(s, NULL, &terms->signals[s]);
+    pthread_sigmask(SIG_BLOCK, NULL, &terms->mask);
+    for (int r = 0; r < RLIM_NLIMITS; r++)
+        getrlimit((unsigned)r, &terms->limits[r]);
+    sched_getaffinity(0, sizeof terms->processors, &terms->processors);
+    terms->folder_at = open(".", O_PATH | O_DIRECTORY | O_CLOEXEC);
+    stat(".", &terms->folder);
+    terms->umask = umask_now();
+    terms->environment = hash_environment();
+    terms->variables = copy_variables();
+}
+
+static void add(char *list, size_t capacity, const char *what)
+{
+    const size_t length = strlen(list);
+    snprintf(list + length, capacity - length, "%s%s", length > 0 ? ", " : "", what);
+}
+
+static bool processors_changed(const bb_terms *terms)
+{
+    cpu_set_t now;
+    return sched_getaffinity(0, sizeof now, &now) == 0 && !CPU_EQUAL(&now, &terms->processors);
+}
+
+/* Puts back what changed, and lists it. */
+static void put_back(const bb_terms *terms, char *list, size_t capacity)
+{
+    const bool rounding = fegetround() != terms->rounding;
+    const bool control = float_control() != terms->float_control;
+    if (rounding)
+        add(list, capacity, "the rounding mode");
+    else if (control)
+        add(list, capacity, "how floats are computed (denormals or traps)");
+    if (rounding || control)
+        fesetenv(&terms->floats);
+    if (strncmp(setlocale(LC_ALL, NULL), terms->locale, sizeof terms->locale - 1) != 0) {
+        add(list, capacity, "the locale");
+        setlocale(LC_ALL, terms->locale);
+    }
+    if (handlers_changed(terms))
+        add(list, capacity, "a signal's handler");
+    if (mask_changed(terms)) {
+        add(list, capacity, "the signal mask");
+        pthread_sigmask(SIG_SETMASK, &terms->mask, NULL);
+    }
+    if (limits_changed(terms))
+        add(list, capacity, "a resource limit");
+    if (processors_changed(terms)) {
+        add(list, capacity, "the processors to run on");
+        sched_setaffinity(0, sizeof terms->processors, &terms->processors);
+    }
+    if (folder_changed(terms)) {
+        add(list, capacity, "the working folder");
+        if (terms->folder_at < 0 || fchdir(terms->folder_at) != 0)
+            add(list, capacity, "which could not be put back");
+    }
+    if (umask_now() != terms->umask) {
+        add(list, capacity, "the umask");
+        umask(terms->umask);
+    }
+    if (hash_environment() != terms->environment) {
+        add(list, capacity, "the environment's variables");
+        restore_variables(terms->variables);
+    }
+}
+
+bb_status bb_terms_check(bb_terms *terms, const char *who, const char *hook, bb_status status)
+{
+    char list[400] = "";
+    put_back(terms, list, sizeof list);
+    if (terms->folder_at >= 0)
+        close(terms->folder_at);
+    free_variables(terms->variables);
+    if (list[0] == '\0')
+        return status;
+    if (status == BB_OK)
+        return bb_fail(BB_FAILED,
+                       "%s changed %s in %s(): what all builders share, no hook may change", who,
+                       list, hook);
+    char before[400];
+    snprintf(before, sizeof before, "%s", bb_message());
+    return bb_fail(BB_FAILED, "%s; and %s changed %s in %s()", before, who, list, hook);
+}

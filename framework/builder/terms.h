@@ -1,0 +1,42 @@
+/* The terms under which all builders are measured: what of the process a hook could change, and
+ * with it the measurements of those that follow. */
+#ifndef BB_TERMS_H
+#define BB_TERMS_H
+
+#include "framework/base/status.h"
+
+#include <fenv.h>
+#include <sched.h>
+#include <signal.h>
+#include <stdint.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+
+enum { BB_TERMS_LOCALE = 512, BB_TERMS_SIGNALS = 65 };
+
+/* Floating-point environment and signal mask are those of the calling thread. */
+typedef struct bb_terms {
+    fenv_t floats;
+    int rounding;
+    uint32_t float_control; /* of units that have flags for denormals; else 0 */
+    char locale[BB_TERMS_LOCALE];
+    struct sigaction signals[BB_TERMS_SIGNALS];
+    sigset_t mask;
+    struct rlimit limits[RLIM_NLIMITS];
+    cpu_set_t processors;
+    struct stat folder;
+    int folder_at; /* descriptor of the working folder; -1: it cannot be opened */
+    mode_t umask;
+    uint64_t environment; /* hash */
+    char **variables;     /* copies of them, NULL at the end; NULL: no memory */
+} bb_terms;
+
+/* Takes the terms as they are. To be ended by bb_terms_check(). */
+void bb_terms_take(bb_terms *terms);
+
+/* Puts back what has changed since, and frees what was taken. Returns `status`, unless something
+ * had changed: then BB_FAILED, "WHO changed the rounding mode in HOOK()", or, if `status` was a
+ * failure already, its message followed by that. */
+bb_status bb_terms_check(bb_terms *terms, const char *who, const char *hook, bb_status status);
+
+#endif
