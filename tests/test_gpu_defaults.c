@@ -143,12 +143,12 @@ static void embree_is_on_the_cpu_wherever_it_is_shown(void **state)
     }
     cJSON_Delete(results);
     expect(0, "report labels", " of Embree on the CPU");
-    expect(0, "report labels", "on CPU ");
-    expect(0, "report labels", " for reference, Embree on the CPU with its own trees:");
-    expect(0, "report labels", "/Embree on the CPU: by its fastest row");
+    expect(0, "report labels", " trace ");
+    expect(0, "report labels", " for reference, Embree on the CPU with its own trees\n");
+    expect(0, "report labels", "/ref: Embree on the CPU, by its fastest row");
     expect(0, "report labels --table", "  /Embree on the CPU  Wrong ppm");
     expect(0, "report labels --table", "/Embree on the CPU: to the fastest");
-    expect(0, "report labels --markdown", "| trace / Embree on the CPU |");
+    expect(0, "report labels --markdown", "/ref: Embree on the CPU, by its fastest row");
     expect(0, "report labels --csv", "traced_on");
     expect(0, "report labels --csv", ",CPU,");
     read_file("labels/report.html", text, sizeof text);
@@ -159,9 +159,11 @@ static void embree_is_on_the_cpu_wherever_it_is_shown(void **state)
     results = results_of("", arguments, "plain");
     assert_string_equal(text_of(cJSON_GetObjectItem(results, "context"), "device_type"), "CPU");
     cJSON_Delete(results);
-    expect_word(expect(0, "report plain", "/Embree")->out, "on the CPU", false);
+    expect_word(expect(0, "report plain", "/ref: Embree, by its fastest row")->out, "on the CPU",
+                false);
     expect_word(expect(0, "report plain --table", "/Embree")->out, "on the CPU", false);
-    expect_word(expect(0, "report plain --markdown", "trace / Embree |")->out, "the CPU", false);
+    expect_word(expect(0, "report plain --markdown", "/ref: Embree, by its fastest row")->out,
+                "the CPU", false);
     refuses("", "compare plain labels", "cells of two devices are not compared");
     expect(0, "compare plain plain", "nothing is worse");
 }

@@ -238,10 +238,10 @@ static void ties_are_marked(void **state)
     bb_table *table = sample_table();
     add_way(table, "a", "tied", 1.1, false);
     bb_page *page = view_page(&ways, table, "a");
-    assert_true(item_of(page, 0, "answer ms")->best);
-    assert_true(item_of(page, 2, "answer ms")->best);
-    assert_false(item_of(page, 1, "answer / first")->best);
-    assert_false(item_of(page, 1, "build ms")->best); /* nobody else has it */
+    assert_true(item_of(page, 0, "answer ms")->mark == '*');
+    assert_true(item_of(page, 2, "answer ms")->mark == '*');
+    assert_false(item_of(page, 1, "answer / first")->mark == '*');
+    assert_false(item_of(page, 1, "build ms")->mark == '*'); /* nobody else has it */
     bb_page_free(page);
     bb_table_free(table);
 }
@@ -276,14 +276,14 @@ static bb_page *sample_page(void)
     bb_page_column(page, "name", "", "", 0);
     bb_page_column(page, "time", "ms", "How long.", 2);
     bb_page_put_text(page, hostile);
-    bb_page_put_figure(page, (bb_estimate){.value = 1.5, .low = 1, .high = 2}, true);
+    bb_page_put_figure(page, (bb_estimate){.value = 1.5, .low = 1, .high = 2}, '*');
     bb_page_put_text(page, "\xc3\xa9");
-    bb_page_put_figure(page, bb_not_measured, false);
+    bb_page_put_figure(page, bb_not_measured, 0);
     bb_page_plot(page, "A plot", &axes);
     bb_page_column(page, "name", "", "", 0);
     bb_page_column(page, "time", "ms", "", 2);
     bb_page_put_text(page, "b");
-    bb_page_put_figure(page, (bb_estimate){.value = 3, .low = NAN, .high = NAN}, false);
+    bb_page_put_figure(page, (bb_estimate){.value = 3, .low = NAN, .high = NAN}, 0);
     bb_page_picture(page, "none.png", "A picture");
     bb_page_verdict(page, false, "2 answers differ.");
     ASSERT_OK(bb_page_status(page));
@@ -316,6 +316,66 @@ static void a_page_is_markdown(void **state)
                 "| \\</script\\>\\<b\\>\\|\\`\\*x\\*?\\[31m%FF | **1.50 \\[1.00, 2.00\\]** |\n"
                 "| \xc3\xa9 | \\- |\n\n"
                 "**2 answers differ.**\n");
+}
+
+/* A list, headings of two lines, and figures that are not told from the best. */
+static bb_page *marked_page(void)
+{
+    bb_page *page = new_page();
+    bb_page_note(page, "see #12 | `it` at https://e.test");
+    bb_page_note(page, "#: rank");
+    bb_page_say(page, "after");
+    bb_page_grid(page, "");
+    bb_page_column(page, "name", "", "", 0);
+    bb_page_column(page, "time\nms", "", "", 1);
+    bb_page_put_text(page, "a");
+    bb_page_put_figure(page, (bb_estimate){.value = 1.5, .low = NAN}, '~');
+    bb_page_put_text(page, "b");
+    bb_page_put_figure(page, (bb_estimate){.value = 1, .low = NAN}, '*');
+    ASSERT_OK(bb_page_status(page));
+    return page;
+}
+
+static void notes_and_marks(void **state)
+{
+    (void)state;
+    expect_text(marked_page(), bb_page_print,
+                "- see #12 | `it` at https://e.test\n"
+                "- #: rank\n\n"
+                "after\n\n"
+                "      time\n"
+                "name    ms\n"
+                "a     1.5~\n"
+                "b     1.0*\n\n");
+    expect_text(marked_page(), bb_page_markdown,
+                "# bvhbench: a title\n\n"
+                "- `see #12 ? ?it? at https://e.test`\n"
+                "- \\#: rank\n\n"
+                "after\n\n"
+                "| name | time ms |\n"
+                "|---|--:|\n"
+                "| a | 1.5 \\~ |\n"
+                "| b | **1.0** |\n");
+}
+
+/* A line of a note after the first stands under its words; a grid that is a little too wide loses a
+ * blank between columns before it is divided. */
+static void what_is_long_is_fitted(void **state)
+{
+    (void)state;
+    char word[49], expected[600];
+    bb_page *page = new_page();
+    memset(word, 'x', 48);
+    word[48] = '\0';
+    bb_page_note(page, "%s %s %s", word, word, word);
+    bb_page_grid(page, "");
+    for (int i = 0; i < 3; i++)
+        bb_page_column(page, i == 1 ? "b" : word, "", "", 0);
+    for (int i = 0; i < 3; i++)
+        bb_page_put_figure(page, (bb_estimate){.value = i, .low = NAN}, 0);
+    snprintf(expected, sizeof expected, "- %s %s\n  %s\n\n%s b %s\n%48d 1 %48d\n\n", word, word,
+             word, word, word, 0, 2);
+    expect_text(page, bb_page_print, expected);
 }
 
 static void paragraphs_end_at_100_columns(void **state)
@@ -413,13 +473,13 @@ static void frames_do_not_compete(void **state)
     }
     bb_table_view view = by_frame;
     bb_page *page = view_page(&view, better, "a");
-    assert_false(item_of(page, 0, "lbvh side")->best);
+    assert_false(item_of(page, 0, "lbvh side")->mark == '*');
     bb_page_free(page);
     view.rows = BB_SET(BB_BUILDER);
     view.across = BB_SET(BB_FRAME);
     page = view_page(&view, better, "a");
-    assert_true(item_of(page, 0, "9 rays side")->best);
-    assert_false(item_of(page, 1, "9 rays side")->best);
+    assert_true(item_of(page, 0, "9 rays side")->mark == '*');
+    assert_false(item_of(page, 1, "9 rays side")->mark == '*');
     bb_page_free(page);
     bb_table_free(better);
     bb_table_free(table);
@@ -517,7 +577,7 @@ static void wide_grids_go_on_below(void **state)
         for (int i = 0; i < 3; i++) {
             bb_estimate figure = bb_not_measured;
             figure.value = row == 0 ? i : NAN;
-            bb_page_put_figure(page, figure, false);
+            bb_page_put_figure(page, figure, 0);
         }
         bb_page_put_text(page, row == 0 ? "" : "has none");
     }
@@ -576,7 +636,7 @@ static void add_figures(bb_page *page)
         }
         bb_page_put_text(page, all);
         for (int decimals = -1; decimals < 4; decimals++)
-            bb_page_put_figure(page, e, false);
+            bb_page_put_figure(page, e, 0);
     }
 }
 
@@ -590,8 +650,8 @@ static int write_page(const char *to)
     bb_page_column(page, "nodes", "", "", 0);
     bb_page_column(page, "time", "ms", "", 2);
     for (int i = 1; i < 5; i++) {
-        bb_page_put_figure(page, (bb_estimate){.value = i, .low = NAN, .high = NAN}, false);
-        bb_page_put_figure(page, (bb_estimate){.value = i * i, .low = NAN, .high = NAN}, false);
+        bb_page_put_figure(page, (bb_estimate){.value = i, .low = NAN, .high = NAN}, 0);
+        bb_page_put_figure(page, (bb_estimate){.value = i * i, .low = NAN, .high = NAN}, 0);
     }
     bb_view_show(&ways, table, (bb_cell){{[BB_SCENE] = "a"}}, page);
     add_figures(page);
@@ -617,6 +677,8 @@ int main(int argc, char **argv)
         cmocka_unit_test(dimensions_choose_rows),
         cmocka_unit_test(a_page_is_text),
         cmocka_unit_test(a_page_is_markdown),
+        cmocka_unit_test(notes_and_marks),
+        cmocka_unit_test(what_is_long_is_fitted),
         cmocka_unit_test(paragraphs_end_at_100_columns),
         cmocka_unit_test(names_make_columns_and_grids),
         cmocka_unit_test(names_make_curves),

@@ -158,7 +158,7 @@ static bb_status write_folder(const merging *m)
     BB_TRY(bb_table_write(bb_table_of_file(&m->all), json));
     BB_TRY(results != NULL ? bb_report_html(results, m->out, html)
                            : bb_report_table_page(bb_table_of_file(&m->all), m->out, html));
-    printf("\n report   %s\n results  %s\n", html, json);
+    printf(" report   %s\n results  %s\n", html, json);
     return BB_OK;
 }
 

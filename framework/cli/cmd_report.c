@@ -65,7 +65,7 @@ static bb_status write_page(bb_results *results, const char *page, bool said, ui
 {
     BB_TRY(bb_report_html(results, NULL, page));
     if (said) {
-        printf("\n report  %s\n", page);
+        printf(" report  %s\n", page);
         bb_charts_note(charts);
     }
     return charts == BB_CHARTS_YES ? write_charts(results, page, said) : BB_OK;
@@ -125,7 +125,7 @@ static bb_status report_history(const bb_cli *cli, const char *database, const c
     if (status == BB_OK)
         status = bb_report_history_text(trends, count, stdout);
     if (status == BB_OK)
-        printf("\n report  %s\n", out != NULL ? out : beside);
+        printf(" report  %s\n", out != NULL ? out : beside);
     bb_trends_free(trends, count);
     bb_history_close(history);
     return status;

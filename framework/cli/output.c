@@ -93,7 +93,7 @@ static bb_status print(const bb_comparison *c, bb_results *results, const places
     BB_TRY(c->print(results, stdout));
     if (c->quiet)
         return BB_OK;
-    printf("\n report   %s\n tables   %s\n results  %s\n", p->html, p->tables, p->json);
+    printf(" report   %s\n tables   %s\n results  %s\n", p->html, p->tables, p->json);
     if (charts > 0)
         printf(" charts   %s/: %u, each as SVG and PNG\n", p->pictures, charts);
     return BB_OK;

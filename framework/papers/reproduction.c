@@ -114,7 +114,7 @@ static void show_row(const bb_entry *row, bb_page *page)
         if (cell.text[0] != '\0')
             bb_page_put_text(page, cell.text);
         else
-            bb_page_put_figure(page, figure, false);
+            bb_page_put_figure(page, figure, 0);
     }
 }
 

@@ -74,6 +74,8 @@ void bb_cell_canonical(bb_cell_parts *cell);
 /* Makes a cell canonical, but leaves out parameters that have their defaults: short names for
  * tables. */
 void bb_cell_short(bb_cell_parts *cell);
+/* The same for a key; a text that is none is copied. */
+void bb_cell_key_short(const char *key, char brief[BB_CELL_KEY]);
 
 /* Returns whether this builder is a reference row (Embree with its own trees). */
 bool bb_is_reference(const char *builder);

@@ -195,3 +195,14 @@ void bb_cell_short(bb_cell_parts *cell)
 {
     respell_all(cell, false);
 }
+
+void bb_cell_key_short(const char *key, char brief[BB_CELL_KEY])
+{
+    bb_cell_parts cell;
+    if (bb_cell_key_parse(key, &cell) == BB_OK) {
+        bb_cell_short(&cell);
+        if (bb_cell_key_format(&cell, brief) == BB_OK)
+            return;
+    }
+    snprintf(brief, BB_CELL_KEY, "%s", key);
+}

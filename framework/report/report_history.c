@@ -3,9 +3,10 @@
 
 #include "framework/base/file.h"
 #include "framework/base/json.h"
-#include "framework/report/columns.h"
+#include "framework/show/page.h"
 #include "framework/show/template.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -53,25 +54,13 @@ static void put_point(bb_json *json, uint32_t at, const bb_measured *cell)
     bb_json_end_object(json);
 }
 
-/* Leaves parameters at their defaults out of the name. */
-static void put_names(bb_json *json, const char *key)
-{
-    bb_cell_parts cell;
-    char brief[BB_CELL_KEY];
-    snprintf(brief, sizeof brief, "%s", key);
-    if (bb_cell_key_parse(key, &cell) == BB_OK) {
-        bb_cell_short(&cell);
-        if (bb_cell_key_format(&cell, brief) != BB_OK)
-            snprintf(brief, sizeof brief, "%s", key);
-    }
-    bb_json_add_text(json, "key", key);
-    bb_json_add_text(json, "name", brief);
-}
-
 static void put_cell(bb_json *json, const bb_trend *trend, const char *key)
 {
+    char brief[BB_CELL_KEY];
     bb_json_object(json, NULL);
-    put_names(json, key);
+    bb_cell_key_short(key, brief);
+    bb_json_add_text(json, "key", key);
+    bb_json_add_text(json, "name", brief);
     bb_json_array(json, "points");
     for (uint32_t i = 0; i < trend->count; i++) {
         const bb_measured *cell = bb_cell_set_find(&trend->sets[i], key);
@@ -181,28 +170,33 @@ bb_status bb_report_history(const bb_trend *trends, uint32_t count, const char *
 
 /* ---- as text ---- */
 
+static void add_revision(bb_page *page, const bb_trend *trend, uint32_t i)
+{
+    const bb_comparison_result *step = &trend->steps[i];
+    uint32_t counts[5] = {trend->entries[i].runs, trend->sets[i].count};
+    for (uint32_t m = 0; m < step->move_count; m++)
+        counts[2 + step->moves[m].verdict]++;
+    bb_page_put_text(page, trend->entries[i].origin.revision);
+    bb_page_put_text(page, trend->entries[i].origin.date);
+    for (int k = 0; k < 5; k++)
+        bb_page_put_figure(page, (bb_estimate){counts[k], NAN, NAN, NAN, NAN}, 0);
+}
+
 bb_status bb_report_history_text(const bb_trend *trends, uint32_t count, FILE *out)
 {
+    static const char *const headings[] = {"revision", "date",   "runs",   "cells",
+                                           "worse",    "better", "changed"};
+    bb_page *page;
+    BB_TRY(bb_page_create("history", &page));
     for (uint32_t t = 0; t < count; t++) {
-        const bb_trend *trend = &trends[t];
-        fputs(t > 0 ? "\n " : " ", out);
-        bb_print_text(out, trend->entries[0].origin.host, 0);
-        fputs(", ", out);
-        bb_print_text(out, trend->entries[0].origin.device, 0);
-        fputc('\n', out);
-        for (uint32_t i = trend->count; i-- > 0;) {
-            const bb_comparison_result *step = &trend->steps[i];
-            uint32_t counts[3] = {0};
-            for (uint32_t m = 0; m < step->move_count; m++)
-                counts[step->moves[m].verdict]++;
-            fputs("  ", out);
-            bb_print_text(out, trend->entries[i].origin.revision, 24);
-            fputc(' ', out);
-            bb_print_text(out, trend->entries[i].origin.date, 20);
-            fprintf(out, "  %3u runs, %5u cells: %u worse, %u better, %u changed\n",
-                    trend->entries[i].runs, trend->sets[i].count, counts[BB_WORSE],
-                    counts[BB_BETTER], counts[BB_CHANGED]);
-        }
+        const bb_origin *o = &trends[t].entries[0].origin;
+        char title[sizeof o->host + sizeof o->device + 2];
+        snprintf(title, sizeof title, "%s, %s", o->host, o->device);
+        bb_page_grid(page, title);
+        for (int k = 0; k < 7; k++)
+            bb_page_column(page, headings[k], "", "", 0);
+        for (uint32_t i = trends[t].count; i-- > 0;)
+            add_revision(page, &trends[t], i);
     }
-    return BB_OK;
+    return bb_page_end(page, bb_page_print, out);
 }

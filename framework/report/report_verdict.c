@@ -1,222 +1,186 @@
-/* The answer on one screen: builders by merit over all scenes and rays, what is best and what this
- * run cannot tell apart, in a table and in sentences. At most 100 columns. */
-#include "framework/report/columns.h"
+/* The answer: builders by merit over all scenes and rays, what is best and what this run cannot
+ * tell apart, as a table and in sentences. On the terminal it fits on one screen of 100 columns;
+ * Markdown has a few columns more. */
 #include "framework/report/report.h"
+#include "framework/show/page.h"
 #include "framework/summary/summary.h"
 
 #include <math.h>
-#include <stdlib.h>
+#include <stddef.h>
 #include <string.h>
 
-enum { COLUMNS = 100, LABEL = 15 };
-
-/* Numbers of rays that have a column: of bb_summary_counts. */
-static const uint32_t shown_counts[] = {0, 1, 3, 4};
-enum { SHOWN = sizeof shown_counts / sizeof shown_counts[0] };
+/* Figures of a row, behind its traces. */
+static const struct {
+    const char *heading;
+    size_t standing; /* where it is in a bb_summary_row */
+    bool wide;       /* for Markdown alone */
+    int decimals;
+} columns[] = {
+    {"build\nM/s", offsetof(bb_summary_row, build), false, 2},
+    {"with\nlayout", offsetof(bb_summary_row, ready), false, 2},
+    {"0.1 M\nrays", offsetof(bb_summary_row, image[0]), false, 2},
+    {"1 M\nrays", offsetof(bb_summary_row, image[1]), false, 2},
+    {"10 M\nrays", offsetof(bb_summary_row, image[2]), true, 2},
+    {"100 M\nrays", offsetof(bb_summary_row, image[3]), false, 2},
+    {"1 G\nrays", offsetof(bb_summary_row, image[4]), false, 2},
+    {"10 G\nrays", offsetof(bb_summary_row, image[5]), true, 2},
+    {"SAH\n/best", offsetof(bb_summary_row, quality), false, 2},
+    {"EPO\n/best", offsetof(bb_summary_row, overlap), true, 2},
+    {"work\n/best", offsetof(bb_summary_row, work), false, 2},
+};
+enum { COLUMNS = sizeof columns / sizeof columns[0] };
 
 /* ---- the head ---- */
 
-static void print_minutes(FILE *out, double ms)
+static const char *plural(uint32_t count)
 {
+    return count == 1 ? "" : "s";
+}
+
+static void add_head(bb_page *page, const bb_results *results, const bb_summary *s)
+{
+    const double ms = bb_results_time_ms(results, "total");
+    char time[64] = "", noise[80] = "";
     if (ms >= 60e3)
-        fprintf(out, "%.0f min %.0f s", floor(ms / 60e3), floor(fmod(ms, 60e3) / 1e3));
-    else
-        fprintf(out, "%.1f s", ms / 1e3);
-}
-
-static void print_count(FILE *out, const char *before, uint32_t count, const char *name)
-{
-    fprintf(out, "%s%u %s%s", before, count, name, count == 1 ? "" : "s");
-}
-
-/* Before all else: a GPU may not be the device that somebody thinks it is. */
-static void print_device(FILE *out, const bb_results *results)
-{
-    const bb_entry *context = bb_results_context(results);
-    char device[60];
-    snprintf(device, sizeof device, "%s", bb_get_text(context, BB_F_CONTEXT_DEVICE));
-    bb_print_text(out, device, 0);
-    fputc('\n', out);
-}
-
-static void print_head(FILE *out, const bb_results *results, const bb_summary *s)
-{
-    const bb_entry *context = bb_results_context(results);
-    double ms = bb_results_time_ms(results, "total");
-    char revision[48];
-    fputs("bvhbench ", out);
-    snprintf(revision, sizeof revision, "%s", bb_get_text(context, BB_F_CONTEXT_REVISION));
-    bb_print_text(out, revision, 0);
-    print_count(out, ": ", s->scenes, "scene");
-    print_count(out, ", ", s->sets, "ray set");
-    print_count(out, ", ", s->builder_count, "builder");
-    print_count(out, ", ", s->rounds, "round");
-    if (isfinite(ms)) {
-        fputs(", ", out);
-        print_minutes(out, ms);
-    }
-    fputc('\n', out);
+        snprintf(time, sizeof time, ", %.0f min %.0f s", floor(ms / 60e3),
+                 floor(fmod(ms, 60e3) / 1e3));
+    else if (isfinite(ms))
+        snprintf(time, sizeof time, ", %.1f s", ms / 1e3);
     if (isfinite(s->noise))
-        fprintf(out, "one rate is good to %.0f %% (worst tenth: %.0f %%)\n", 100 * s->noise,
-                100 * s->noise_worst);
+        snprintf(noise, sizeof noise, "; one rate is good to %.0f %% (worst tenth: %.0f %%)",
+                 100 * s->noise, 100 * s->noise_worst);
+    bb_page_say(page, "bvhbench %.47s: %u scene%s, %u ray set%s, %u builder%s, %u round%s%s%s",
+                bb_get_text(bb_results_context(results), BB_F_CONTEXT_REVISION), s->scenes,
+                plural(s->scenes), s->sets, plural(s->sets), s->builder_count,
+                plural(s->builder_count), s->rounds, plural(s->rounds), time, noise);
+}
+
+static void warn(bb_page *page, const bb_results *results)
+{
+    char text[BB_IMPLAUSIBLE];
+    if (bb_summary_busy(results, text))
+        bb_page_verdict(page, false, "WARNING: %s", text);
 }
 
 /* ---- the table ---- */
 
-/* Best, or tied with the best. */
-static char mark_of(const bb_standing *standing)
+/* Builders of one rank are those that this run cannot tell from the first of them. */
+static void put_rank(bb_page *page, const bb_summary *s, const bb_summary_row *row)
 {
-    return standing->best ? '*' : standing->tied ? '~' : ' ';
+    char rank[40] = "-";
+    if (row->partial && !row->reference)
+        snprintf(rank, sizeof rank, "%u/%u", row->sets, s->sets);
+    else if (row->group != UINT32_MAX && !row->reference)
+        snprintf(rank, sizeof rank, "%u", row->group + 1);
+    bb_page_put_text(page, rank);
 }
 
-static void print_figure(FILE *out, double value, int width)
+static void put_number(bb_page *page, double value, char mark)
 {
-    if (!isfinite(value))
-        fprintf(out, "%*s", width, "-");
-    else
-        fprintf(out, "%*.*f", width, value < 9.995 ? 2 : value < 99.95 ? 1 : 0, value);
+    bb_estimate figure = bb_not_measured;
+    figure.value = value;
+    bb_page_put_figure(page, figure, mark);
 }
 
-/* A bracket around the rows that this run can't tell apart. */
-static char bracket_of(const bb_summary *s, uint32_t i)
+static void add_row(bb_page *page, const bb_summary *s, const bb_summary_row *row, bool wide)
 {
-    const bb_summary_row *row = &s->rows[i];
-    bool above = i > 0 && s->rows[i - 1].group == row->group;
-    bool below = i + 1 < s->builder_count && s->rows[i + 1].group == row->group;
-    if (row->reference || row->group == UINT32_MAX || (!above && !below))
-        return ' ';
-    return above && below ? '|' : above ? '/' : '\\';
-}
-
-static void print_row(FILE *out, const bb_summary *s, uint32_t i)
-{
-    const bb_summary_row *row = &s->rows[i];
-    char wrong[BB_ENTRY] = "-";
-    fputc(' ', out);
-    bb_print_text(out, row->name, 27);
-    print_figure(out, row->trace.value, 6);
-    fprintf(out, "%c%c", row->trace.best ? '*' : ' ', bracket_of(s, i));
-    print_figure(out, row->build.value, 6);
-    fputc(mark_of(&row->build), out);
-    print_figure(out, row->ready.value, 7);
-    fputc(mark_of(&row->ready), out);
-    for (uint32_t k = 0; k < SHOWN; k++) {
-        print_figure(out, row->image[shown_counts[k]].value, 5);
-        fputc(mark_of(&row->image[shown_counts[k]]), out);
+    bb_page_put_text(page, wide && row->run == 0 ? row->builder : row->name);
+    put_rank(page, s, row);
+    put_number(page, row->trace.value, row->trace.best ? '*' : 0);
+    for (size_t i = 0; i < COLUMNS; i++) {
+        const bb_standing *standing = (const void *)((const char *)row + columns[i].standing);
+        if (wide || !columns[i].wide)
+            put_number(page, standing->value, standing->best ? '*' : standing->tied ? '~' : 0);
     }
-    print_figure(out, row->quality.value, 5);
-    fputc(mark_of(&row->quality), out);
-    print_figure(out, row->work.value, 5);
-    fputc(mark_of(&row->work), out);
-    print_figure(out, row->peak / (1 << 20), 6);
-    if (row->checked > 0)
-        snprintf(wrong, sizeof wrong, row->wrong == 0 ? "none" : "%.0f", row->wrong);
-    fprintf(out, "%7s\n", wrong);
+    put_number(page, row->peak / (1 << 20), 0);
+    put_number(page, row->checked > 0 ? row->wrong : (double)NAN, 0);
+    if (wide)
+        put_number(page, row->checked, 0);
 }
 
-static void print_rows(FILE *out, const bb_summary *s)
+static void add_rows(bb_page *page, const bb_summary *s, bool wide)
 {
-    /* "on the CPU" is in the heading, not below the table */
-    const bool elsewhere = s->reference != NULL && strcmp(s->reference, "Embree") != 0;
-    fprintf(out, "\n %-26s%7s  %6s %7s    %-21s%5s %5s %6s%7s\n", "",
-            elsewhere ? "/Embree" : "trace", "build", "+layout", "time to image /best", "SAH",
-            "work", "peak", "wrong");
-    fprintf(out, " %-26s%7s  %6s %7s ", "builder",
-            s->reference == NULL ? "/best"
-            : elsewhere          ? "on CPU"
-                                 : "/Embree",
-            "M/s", "M/s");
-    static const char *const counts[] = {"0.1 M", "1 M", "10 M", "100 M", "1 G", "10 G"};
-    for (uint32_t k = 0; k < SHOWN; k++)
-        fprintf(out, "%5s ", counts[shown_counts[k]]);
-    fprintf(out, "%5s %5s %6s%7s\n", "/best", "/best", "MiB", "rays");
-    for (uint32_t i = 0; i < s->row_count; i++) {
-        if (i < s->builder_count && s->rows[i].partial && (i == 0 || !s->rows[i - 1].partial))
-            fputs(" without a rank, for what they lack of the scenes or rays:\n", out);
-        if (i == s->builder_count)
-            fprintf(out, " for reference, %s with its own trees:\n",
-                    s->reference != NULL ? s->reference : "Embree");
-        print_row(out, s, i);
-    }
+    bb_page_grid(page, "");
+    bb_page_column(page, "builder", "", "", 0);
+    bb_page_column(page, "#", "", "", 0);
+    bb_page_column(page, s->reference == NULL ? "trace\n/best" : "trace\n/ref", "", "", 2);
+    for (size_t i = 0; i < COLUMNS; i++)
+        if (wide || !columns[i].wide)
+            bb_page_column(page, columns[i].heading, "", "", columns[i].decimals);
+    bb_page_column(page, "peak\nMiB", "", "", 1);
+    bb_page_column(page, "wrong\nrays", "", "", 0);
+    if (wide)
+        bb_page_column(page, "of", "", "", 0);
+    for (uint32_t i = 0; i < s->row_count; i++)
+        add_row(page, s, &s->rows[i], wide);
 }
 
-/* Words of `text` in lines, behind a label of `width` columns. */
-static void print_wrapped(FILE *out, const char *label, int width, const char *text)
+static void add_legend(bb_page *page, const bb_summary *s)
 {
-    int column = fprintf(out, " %-*s", width, label);
-    const int start = column;
-    while (*text != '\0') {
-        char word[128];
-        int length = (int)strcspn(text, " ");
-        int blank = column > start;
-        if (blank && column + 1 + length > COLUMNS) {
-            fprintf(out, "\n%*s", start, "");
-            column = start;
-            blank = 0;
-        }
-        snprintf(word, sizeof word, "%.*s", length < 127 ? length : 127, text);
-        fprintf(out, "%*s", blank, "");
-        bb_print_text(out, word, 0);
-        column += blank + length;
-        text += length + (text[length] == ' ');
-    }
-    fputc('\n', out);
-}
-
-static void print_legend(FILE *out, const bb_summary *s)
-{
-    char text[512], base[64], ties[128] = "\\|/ not to be told from their first by this run";
-    if (s->rounds < BB_INTERVAL_ROUNDS)
-        snprintf(ties, sizeof ties, "ties take %d rounds to know", BB_INTERVAL_ROUNDS);
+    char ties[80];
+    uint32_t partial = 0;
+    for (uint32_t i = 0; i < s->builder_count; i++)
+        partial += s->rows[i].partial;
+    snprintf(ties, sizeof ties,
+             s->rounds < BB_INTERVAL_ROUNDS ? "ties take %d rounds to know"
+                                            : "equal ones are not told from their first (95 %%)",
+             BB_INTERVAL_ROUNDS);
+    bb_page_note(page,
+                 "geometric means over ray sets; M/s: million primitives; * best builder, ~ not "
+                 "told from it; with layout: build and layout; rays: these and the image of so "
+                 "many rays, by the best; work: counted, per ray");
     if (s->reference != NULL)
-        snprintf(base, sizeof base, "/%s: by its fastest row on each ray set", s->reference);
-    else
-        snprintf(base, sizeof base, "/best: by the best builder");
-    snprintf(
-        text, sizeof text,
-        "geometric means over ray sets; M/s: million primitives; * best builder, ~ not told from "
-        "it; %s (95 %% each); %s; +layout: build and layout; image: these and so many rays; work: "
-        "counted, per ray",
-        ties, base);
-    print_wrapped(out, "", 0, text);
-    text[0] = '\0';
-    for (uint32_t i = 0, said = 0; i < s->row_count && said < 4; i++) {
-        size_t length = strlen(text);
-        if (s->rows[i].sets != s->sets && s->rows[i].sets > 0)
-            snprintf(text + length, sizeof text - length, "%s%s %u of %u",
-                     said++ == 0 ? "ray sets of " : ", ", s->rows[i].name, s->rows[i].sets,
-                     s->sets);
-    }
-    if (text[0] != '\0')
-        print_wrapped(out, "", 0, text);
+        bb_page_note(page, "/ref: %s, by its fastest row on each ray set", s->reference);
+    bb_page_note(page, "#: rank by traces, %s%s", ties,
+                 partial > 0 ? "; n/m: without a rank, for what they lack of the scenes or rays"
+                             : "");
+    if (s->row_count > s->builder_count)
+        bb_page_note(page, "at the end, for reference, %s with its own trees",
+                     s->reference != NULL ? s->reference : "Embree");
     if (s->sets_aside > 0)
-        fprintf(out, " aside, traced by too few builders to compare them: %u ray sets\n",
-                s->sets_aside);
+        bb_page_note(page, "aside, traced by too few builders to compare them: %u ray sets",
+                     s->sets_aside);
+}
+
+/* ---- all of it ---- */
+
+static bb_status show(const bb_results *results, bool wide, FILE *out)
+{
+    bb_summary summary;
+    bb_page *page;
+    char implausible[BB_IMPLAUSIBLE];
+    const bb_entry *context = bb_results_context(results);
+    BB_TRY(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &summary));
+    bb_status status = bb_page_create("bvhbench", &page);
+    if (status != BB_OK)
+        goto out;
+    /* first: a GPU may not be the device that somebody thinks it is */
+    bb_page_heading(page, bb_get_text(context, BB_F_CONTEXT_DEVICE));
+    warn(page, results);
+    if (bb_summary_implausible(results, implausible))
+        bb_page_verdict(page, false, "WARNING: %s", implausible);
+    if (bb_get_true(context, BB_F_CONTEXT_INTERRUPTED))
+        bb_page_verdict(page, false, "INTERRUPTED: not all that was asked for was measured");
+    add_head(page, results, &summary);
+    if (summary.row_count > 0) {
+        add_rows(page, &summary, wide);
+        add_legend(page, &summary);
+    }
+    for (uint32_t i = 0; i < summary.sentence_count; i++)
+        bb_page_note(page, "%s: %s", summary.sentences[i].label, summary.sentences[i].text);
+    warn(page, results);
+    status = bb_page_end(page, wide ? bb_page_markdown : bb_page_print, out);
+out:
+    bb_summary_free(&summary);
+    return status;
 }
 
 bb_status bb_report_verdict(const bb_results *results, FILE *out)
 {
-    bb_summary summary;
-    char busy[256], implausible[BB_IMPLAUSIBLE];
-    BB_TRY(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &summary));
-    print_device(out, results);
-    bool is_busy = bb_summary_busy(results, busy);
-    if (is_busy)
-        print_wrapped(out, "WARNING", LABEL, busy);
-    if (bb_summary_implausible(results, implausible))
-        print_wrapped(out, "WARNING", LABEL, implausible);
-    if (bb_get_true(bb_results_context(results), BB_F_CONTEXT_INTERRUPTED))
-        print_wrapped(out, "INTERRUPTED", LABEL, "not all that was asked for was measured");
-    print_head(out, results, &summary);
-    if (summary.row_count > 0) {
-        print_rows(out, &summary);
-        print_legend(out, &summary);
-        fputc('\n', out);
-    }
-    for (uint32_t i = 0; i < summary.sentence_count; i++)
-        print_wrapped(out, summary.sentences[i].label, LABEL, summary.sentences[i].text);
-    if (is_busy)
-        print_wrapped(out, "WARNING", LABEL, busy);
-    bb_summary_free(&summary);
-    return ferror(out) ? bb_fail(BB_FAILED, "cannot write the summary") : BB_OK;
+    return show(results, false, out);
+}
+
+bb_status bb_report_markdown(const bb_results *results, FILE *out)
+{
+    return show(results, true, out);
 }

@@ -114,6 +114,14 @@ void bb_page_say(bb_page *page, const char *format, ...)
     va_end(list);
 }
 
+void bb_page_note(bb_page *page, const char *format, ...)
+{
+    va_list list;
+    va_start(list, format);
+    add_formatted(page, BB_BLOCK_NOTE, format, list);
+    va_end(list);
+}
+
 void bb_page_verdict(bb_page *page, bool good, const char *format, ...)
 {
     va_list list;
@@ -173,9 +181,9 @@ void bb_page_put_text(bb_page *page, const char *text)
     add_item(page, (bb_item){.text = keep(page, text)});
 }
 
-void bb_page_put_figure(bb_page *page, bb_estimate figure, bool best)
+void bb_page_put_figure(bb_page *page, bb_estimate figure, char mark)
 {
-    add_item(page, (bb_item){.figure = figure, .best = best});
+    add_item(page, (bb_item){.figure = figure, .mark = mark});
 }
 
 void bb_page_lose(bb_page *page)
@@ -186,6 +194,14 @@ void bb_page_lose(bb_page *page)
 bb_status bb_page_status(const bb_page *page)
 {
     return page->lost ? bb_fail(BB_REFUSED, "no memory for a page") : BB_OK;
+}
+
+bb_status bb_page_end(bb_page *page, void (*show)(const bb_page *, FILE *), FILE *out)
+{
+    const bb_status status = bb_page_status(page);
+    show(page, out);
+    bb_page_free(page);
+    return status == BB_OK && ferror(out) ? bb_fail(BB_FAILED, "cannot write the results") : status;
 }
 
 const char *bb_page_title(const bb_page *page)

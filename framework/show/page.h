@@ -14,7 +14,8 @@ enum { BB_HEADS_MAX = 32 };
 
 typedef enum bb_block_kind {
     BB_BLOCK_HEADING,
-    BB_BLOCK_SAY, /* a paragraph */
+    BB_BLOCK_SAY,  /* a paragraph */
+    BB_BLOCK_NOTE, /* an entry of a list */
     BB_BLOCK_VERDICT,
     BB_BLOCK_PICTURE,
     BB_BLOCK_GRID, /* a table */
@@ -24,7 +25,7 @@ typedef enum bb_block_kind {
 /* A column of a grid or plot, which has at most BB_HEADS_MAX. Texts of a plot name its points, each
  * column of numbers is a series, and the first of them is x unless bars are drawn. */
 typedef struct bb_head {
-    const char *heading; /* with its unit: "build ms" */
+    const char *heading; /* with its unit: "build ms"; a newline makes a second line in text */
     const char *help;    /* "": none */
     int decimals;        /* see bb_figure() */
 } bb_head;
@@ -33,7 +34,7 @@ typedef struct bb_head {
 typedef struct bb_item {
     const char *text; /* NULL: it is a number */
     bb_estimate figure;
-    bool best; /* in its column */
+    char mark; /* '*': the best of its column; '~': not told from the best; 0: neither */
 } bb_item;
 
 typedef enum bb_plot_kind { BB_DRAW_BARS, BB_DRAW_LINES, BB_DRAW_SCATTER } bb_plot_kind;
@@ -66,6 +67,7 @@ void bb_page_free(bb_page *page); /* NULL is allowed */
  * BB_REFUSED: callers ask once, at the end. */
 void bb_page_heading(bb_page *page, const char *text);
 void bb_page_say(bb_page *page, const char *format, ...) __attribute__((format(printf, 2, 3)));
+void bb_page_note(bb_page *page, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void bb_page_verdict(bb_page *page, bool good, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 /* A PNG file beside the page. */
@@ -77,7 +79,7 @@ void bb_page_plot(bb_page *page, const char *caption, const bb_axes *axes);
 void bb_page_column(bb_page *page, const char *heading, const char *unit, const char *help,
                     int decimals);
 void bb_page_put_text(bb_page *page, const char *text);
-void bb_page_put_figure(bb_page *page, bb_estimate figure, bool best);
+void bb_page_put_figure(bb_page *page, bb_estimate figure, char mark);
 
 void bb_page_lose(bb_page *page); /* memory ran out elsewhere: as if it had here */
 bb_status bb_page_status(const bb_page *page);
@@ -91,6 +93,8 @@ const bb_block *bb_page_block(const bb_page *page, uint32_t index);
 /* Columns are aligned, paragraphs have at most 100 columns. No text steers the terminal. */
 void bb_page_print(const bb_page *page, FILE *out);
 void bb_page_markdown(const bb_page *page, FILE *out);
+/* Shows the page by one of these two and frees it. BB_FAILED: `out` cannot be written. */
+bb_status bb_page_end(bb_page *page, void (*show)(const bb_page *, FILE *), FILE *out);
 /* One HTML file that loads nothing: pictures from `folder` and the table (NULL: none) are in it. */
 bb_status bb_page_html(const bb_page *page, const bb_table *table, const char *folder,
                        const char *path);

@@ -19,7 +19,7 @@ static void add_item(bb_json *json, const bb_item *item)
     bb_json_add_number(json, "value", item->figure.value);
     bb_json_add_number(json, "low", item->figure.low);
     bb_json_add_number(json, "high", item->figure.high);
-    bb_json_add_bool(json, "best", item->best);
+    bb_json_add_bool(json, "best", item->mark == '*');
     bb_json_end_object(json);
 }
 
@@ -68,7 +68,8 @@ static void add_picture(bb_json *json, const bb_block *block, const char *folder
 
 static void add_block(bb_json *json, const bb_block *block, const char *folder)
 {
-    static const char *const kinds[] = {"heading", "say", "verdict", "picture", "grid", "plot"};
+    static const char *const kinds[] = {"heading", "say",  "note", "verdict",
+                                        "picture", "grid", "plot"};
     bb_json_object(json, NULL);
     bb_json_add_text(json, "kind", kinds[block->kind]);
     bb_json_add_text(json, "text", block->text);

@@ -52,16 +52,19 @@ static void print_calm(const char *text, FILE *out)
         print_letter(&text, out);
 }
 
-static void print_paragraph(const char *text, FILE *out)
+/* Lines after the first are indented by the width of `before`. */
+static void print_paragraph(const char *before, const char *text, FILE *out)
 {
-    int column = 0;
+    const int indent = (int)strlen(before);
+    int column = indent;
+    fputs(before, out);
     while (*text != '\0') {
         const size_t length = strcspn(text, " \n");
         const int width = width_of(text, length);
-        const bool fits = column > 0 && column + 1 + width <= COLUMNS_MAX;
-        if (column > 0)
-            fputc(fits ? ' ' : '\n', out);
-        column = fits ? column + 1 + width : width;
+        const bool fits = column > indent && column + 1 + width <= COLUMNS_MAX;
+        if (column > indent)
+            fprintf(out, fits ? " " : "\n%*s", fits ? 0 : indent, "");
+        column = fits ? column + 1 + width : indent + width;
         for (const char *at = text; at < text + length;)
             print_letter(&at, out);
         text += length + strspn(text + length, " \n");
@@ -69,14 +72,13 @@ static void print_paragraph(const char *text, FILE *out)
     fputc('\n', out);
 }
 
-/* The last text of a line ends there. */
-static void print_entry(const char *text, int width, bool left, bool last, FILE *out)
+/* `gap` blanks follow; the last text of a line ends there. */
+static void print_entry(const char *text, int width, bool left, int gap, FILE *out)
 {
     const int blanks = width - width_of(text, strlen(text));
     fprintf(out, "%*s", left ? 0 : blanks, "");
     print_calm(text, out);
-    fprintf(out, "%*s", left && !last ? blanks : 0, "");
-    fputs(last ? "\n" : "  ", out);
+    fprintf(out, "%*s", gap + (left && gap > 0 ? blanks : 0), "");
 }
 
 typedef struct column {
@@ -91,18 +93,34 @@ static const char *marked(char out[BB_FIGURE_MAX + 2], const column *c, const bb
     if (item->text != NULL)
         return item->text;
     snprintf(out, BB_FIGURE_MAX + 2, "%s%s", text_of(figure, head, item),
-             !c->marked   ? ""
-             : item->best ? "*"
-                          : " ");
+             c->marked ? (char[]){item->mark != 0 ? item->mark : ' ', '\0'} : "");
+    return out;
+}
+
+enum { HEADING_MAX = 80 };
+
+/* The last line of a heading, or what stands above it. */
+static const char *line_of(char out[HEADING_MAX], const bb_head *head, bool last)
+{
+    const char *end = strchr(head->heading, '\n');
+    if (last)
+        return end != NULL ? end + 1 : head->heading;
+    snprintf(out, HEADING_MAX, "%.*s", end != NULL ? (int)(end - head->heading) : 0, head->heading);
     return out;
 }
 
 static column measure_column(const bb_block *block, uint32_t i)
 {
     const bb_head *head = &block->heads[i];
-    column c = {width_of(head->heading, strlen(head->heading)), is_text(block, i), false};
+    column c = {0, is_text(block, i), false};
+    for (int last = 0; last < 2; last++) {
+        char text[HEADING_MAX];
+        const char *line = line_of(text, head, last);
+        const int width = width_of(line, strlen(line));
+        c.width = width > c.width ? width : c.width;
+    }
     for (uint32_t k = i; k < block->item_count; k += block->head_count)
-        c.marked = c.marked || block->items[k].best;
+        c.marked = c.marked || block->items[k].mark != 0;
     for (uint32_t k = i; k < block->item_count; k += block->head_count) {
         char text[BB_FIGURE_MAX + 2];
         const char *shown = marked(text, &c, head, &block->items[k]);
@@ -112,9 +130,11 @@ static column measure_column(const bb_block *block, uint32_t i)
     return c;
 }
 
-/* Columns of a grid that stand side by side: its names, and those from `begin` to before `end`. */
+/* Columns of a grid that stand side by side: its names, and those from `begin` to before `end`,
+ * with `gap` blanks between them. */
 typedef struct part {
     uint32_t names, begin, end;
+    int gap;
 } part;
 
 static bool is_empty(const bb_item *item)
@@ -122,32 +142,55 @@ static bool is_empty(const bb_item *item)
     return item->text != NULL ? item->text[0] == '\0' : !isfinite(item->figure.value);
 }
 
-/* Row `items` of the grid; its headings, if that is NULL. */
+/* Row `items` of the grid; if that is NULL, a line of its headings. */
 static void print_row(const bb_block *block, const column *columns, part p, const bb_item *items,
-                      FILE *out)
+                      bool last, FILE *out)
 {
     for (uint32_t i = 0; i < p.end; i++) {
         const column *c = &columns[i];
         const bb_head *head = &block->heads[i];
         char text[BB_FIGURE_MAX + 2];
         if (i < p.names || i >= p.begin)
-            print_entry(items == NULL ? head->heading : marked(text, c, head, &items[i]), c->width,
-                        c->left, i + 1 == p.end, out);
+            print_entry(items == NULL ? line_of(text, head, last)
+                                      : marked(text, c, head, &items[i]),
+                        c->width, c->left, i + 1 < p.end ? p.gap : 0, out);
     }
+    fputc('\n', out);
+}
+
+static bool has_two_lines(const bb_block *block)
+{
+    uint32_t i = 0;
+    while (i < block->head_count && strchr(block->heads[i].heading, '\n') == NULL)
+        i++;
+    return i < block->head_count;
 }
 
 /* All rows in the first part, in others those that have something there. */
 static void print_part(const bb_block *block, const column *columns, part p, FILE *out)
 {
-    print_row(block, columns, p, NULL, out);
+    if (has_two_lines(block))
+        print_row(block, columns, p, NULL, false, out);
+    print_row(block, columns, p, NULL, true, out);
     for (uint32_t k = 0; k < block->item_count; k += block->head_count) {
         const bb_item *items = &block->items[k];
         uint32_t i = p.begin;
         while (p.begin > p.names && i < p.end && is_empty(&items[i]))
             i++;
         if (i < p.end)
-            print_row(block, columns, p, items, out);
+            print_row(block, columns, p, items, true, out);
     }
+}
+
+/* Blanks between columns: two, or one if that makes room for all of them. */
+static int gap_of(const column *columns, uint32_t count)
+{
+    int width = 0;
+    for (uint32_t i = 0; i < count; i++)
+        width += columns[i].width;
+    return width + 2 * (int)(count - 1) > COLUMNS_MAX && width + (int)(count - 1) <= COLUMNS_MAX
+               ? 1
+               : 2;
 }
 
 /* Texts on the left are the names of rows. A grid that is too wide goes on below, under the same
@@ -156,24 +199,32 @@ static void print_grid(const bb_block *block, FILE *out)
 {
     const uint32_t count = block->head_count;
     column columns[BB_HEADS_MAX];
-    part p = {0, 0, 0};
+    part p = {0, 0, 0, 0};
     int names = 0;
     if (block->text[0] != '\0')
-        print_paragraph(block->text, out);
+        print_paragraph("", block->text, out);
     for (uint32_t i = 0; i < count; i++)
         columns[i] = measure_column(block, i);
+    p.gap = gap_of(columns, count);
     for (; p.names + 1 < count && columns[p.names].left; p.names++)
-        names += columns[p.names].width + 2;
+        names += columns[p.names].width + p.gap;
     for (p.begin = p.names; p.begin < count; p.begin = p.end) {
         int width = names + columns[p.begin].width;
         for (p.end = p.begin + 1; p.end < count; p.end++) {
-            width += 2 + columns[p.end].width;
+            width += p.gap + columns[p.end].width;
             if (width > COLUMNS_MAX && names < COLUMNS_MAX)
                 break;
         }
         fputs(p.begin > p.names ? "\n" : "", out);
         print_part(block, columns, p, out);
     }
+}
+
+/* Notes that follow each other are one list. */
+static bool goes_on(const bb_page *page, uint32_t i)
+{
+    return bb_page_block(page, i)->kind == BB_BLOCK_NOTE && i + 1 < bb_page_block_count(page) &&
+           bb_page_block(page, i + 1)->kind == BB_BLOCK_NOTE;
 }
 
 void bb_page_print(const bb_page *page, FILE *out)
@@ -183,30 +234,43 @@ void bb_page_print(const bb_page *page, FILE *out)
         if (block->kind == BB_BLOCK_GRID)
             print_grid(block, out);
         else if (block->kind <= BB_BLOCK_VERDICT)
-            print_paragraph(block->text, out);
+            print_paragraph(block->kind == BB_BLOCK_NOTE ? "- " : "", block->text, out);
         else
             continue;
-        fputs(block->kind == BB_BLOCK_HEADING ? "" : "\n", out);
+        if (block->kind != BB_BLOCK_HEADING && !goes_on(page, i))
+            fputc('\n', out);
     }
 }
 
 /* ---- Markdown ---- */
 
-/* What is markup is escaped, and lines are joined. */
+/* Whether it holds an address, a mention, a formula or a reference (#1), which no escape prevents.
+ */
+static bool needs_code(const char *text)
+{
+    for (const char *at = strchr(text, '#'); at != NULL; at = strchr(at + 1, '#'))
+        if (at[1] >= '0' && at[1] <= '9')
+            return true;
+    return strpbrk(text, "@$") != NULL || strstr(text, "://") != NULL ||
+           strstr(text, "www.") != NULL;
+}
+
+/* What is markup is escaped, or stands in a span of code. Lines are joined. */
 static void mark_down(const char *text, FILE *out)
 {
     const char *begin = text;
+    const bool code = needs_code(text);
+    fputs(code ? "`" : "", out);
     while (*text != '\0') {
         const char *markup = text == begin ? "\\`*_[]<>|&~#+-" : "\\`*_[]<>|&~#";
-        if (strchr(markup, *text) != NULL)
+        if (!code && strchr(markup, *text) != NULL)
             fputc('\\', out);
-        if (*text == '\n') {
-            fputc(' ', out);
-            text++;
-        } else {
+        if (*text == '\n' || (code && strchr("`|", *text) != NULL))
+            fputc(*text++ == '\n' ? ' ' : '?', out);
+        else
             print_letter(&text, out);
-        }
     }
+    fputs(code ? "`" : "", out);
 }
 
 static void mark_down_grid(const bb_block *block, FILE *out)
@@ -225,11 +289,11 @@ static void mark_down_grid(const bb_block *block, FILE *out)
         fputs(is_text(block, i) ? "|---" : "|--:", out);
     for (uint32_t k = 0; k < block->item_count; k++) {
         const bb_item *item = &block->items[k];
-        const char *around = item->best ? "**" : "";
+        const char *around = item->mark == '*' ? "**" : "";
         const uint32_t column = k % block->head_count;
         fprintf(out, "%s%s", column == 0 ? "|\n| " : "| ", around);
         mark_down(text_of(figure, &block->heads[column], item), out);
-        fprintf(out, "%s ", around);
+        fprintf(out, "%s ", item->mark == '~' ? " \\~" : around);
     }
     fputc('|', out);
 }
@@ -239,13 +303,14 @@ void bb_page_markdown(const bb_page *page, FILE *out)
     fputs("# ", out);
     mark_down(bb_page_title(page), out);
     for (uint32_t i = 0; i < bb_page_block_count(page); i++) {
-        static const char *const around[][2] = {{"\n\n## ", ""}, {"\n\n", ""}, {"\n\n**", "**"}};
+        static const char *const around[][2] = {
+            {"\n\n## ", ""}, {"\n\n", ""}, {"\n\n- ", ""}, {"\n\n**", "**"}};
         const bb_block *block = bb_page_block(page, i);
         if (block->kind == BB_BLOCK_GRID) {
             fputs("\n\n", out);
             mark_down_grid(block, out);
         } else if (block->kind <= BB_BLOCK_VERDICT) {
-            fputs(around[block->kind][0], out);
+            fputs(around[block->kind][0] + (i > 0 && goes_on(page, i - 1)), out);
             mark_down(block->text, out);
             fputs(around[block->kind][1], out);
         }

@@ -304,7 +304,7 @@ static void add_entry(const shown *s, uint32_t group, const column *column, doub
         return;
     }
     const bb_estimate e = figure_of(s, group, column);
-    bb_page_put_figure(page, e, e.value == best || (e.low <= best && best <= e.high));
+    bb_page_put_figure(page, e, e.value == best || (e.low <= best && best <= e.high) ? '*' : 0);
 }
 
 /* ---- all of it ---- */
@@ -341,7 +341,7 @@ static void add_name(const shown *s, uint32_t group, bb_dimension dimension, bb_
     bb_estimate x = bb_not_measured;
     x.value = is_x(s, dimension) ? strtod(name, NULL) : NAN;
     if (is_x(s, dimension))
-        bb_page_put_figure(page, x, false);
+        bb_page_put_figure(page, x, 0);
     else
         bb_page_put_text(page, name);
 }

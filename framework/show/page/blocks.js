@@ -15,6 +15,7 @@ function pictureOf(block) {
 const makers = {
   heading: block => el('h2', {}, block.text),
   say: block => el('p', { class: 'note' }, block.text),
+  note: block => el('p', { class: 'note' }, block.text),
   verdict: block => el('p', { class: block.good ? 'summary' : 'warning' }, block.text),
   picture: pictureOf,
   grid: gridOf,
