@@ -1,10 +1,12 @@
 #!/usr/bin/env bash
-# Whether a comparison measured and judged all that it should: tests/check_results.sh FOLDER CELLS
-# FOLDER is what `bvhbench run` wrote. Exit status 1 unless its results have exactly CELLS cells,
-# each measured and each of its rays judged, no ray set was left out, and report and pictures are
-# there.
+# Whether a comparison measured and judged all that it should: tests/check_results.sh FOLDER LIST
+# FOLDER is what `bvhbench run` wrote, LIST what `bvhbench list compared --json` prints. Exit status 1
+# unless the results have the ray sets and cells that the run planned, and on the listed scenes each
+# listed builder by each listed kernel and intersector with all listed rays from each view, and the
+# references; each measured and each of its rays judged, no ray set was left out, and report and
+# pictures are there.
 set -euo pipefail
-folder=$1 cells=$2
+folder=$1 list=$2
 results=$folder/results.json
 
 fail() {
@@ -25,7 +27,25 @@ count() {
 }
 
 found=$(count '[traces] | length')
-[ "$found" -eq "$cells" ] || fail "$found cells, not $cells"
+cells=$(count '[rows | .planned_cells // empty][0] // 0')
+[ "$found" -eq "$cells" ] || fail "$found cells, not the $cells that were planned"
+sets=$(count '[traces | [.run, .scene, .question, .view]] | unique | length')
+planned=$(count '[rows | .planned_sets // empty][0] // 0')
+[ "$sets" -eq "$planned" ] || fail "$sets ray sets, not the $planned that were planned"
+# Rays are made from each view of a scene, or once. How a reference traces is its own affair.
+bad=$(jq -r --slurpfile list "$list" "$rows"'
+    def names($what): $list[0].compared[] | select(.summary == $what) | .name;
+    [names("reference")] as $references
+    | [traces | [.scene, (.question | split(":")[0]), .view, .builder]
+        + if .builder | IN($references[]) then [] else [.kernel, .intersector] end] as $there
+    | [names("scene") as $scene | names("rays") as $rays
+        | (if any($there[]; .[1] == $rays and .[2])
+            then rows | select(.scene == $scene and .view and (.question | not)) | .view
+            else null end) as $view
+        | (([["builder", "kernel", "intersector"][] | [names(.)]] | combinations), ($references[] | [.])) as $by
+        | [$scene, $rays, $view] + $by | select([.] - $there != []) | map(values) | join(" ")]
+    | unique | .[:3] | join("; ")' "$results") || fail "is not what it should be: see above"
+[ -z "$bad" ] || fail "no cells: $bad"
 bad=$(count '[traces | select(.status != "ok")
     | "\(.scene) \(.builder) \(.kernel) \(.question): \(.status)"] | .[:3] | join("; ")')
 [ -z "$bad" ] || fail "cells that were not measured: $bad"

@@ -171,6 +171,8 @@ static bb_status start_intersectors(bb_bench *bench)
 void bb_bench_outcome_add(bb_bench_outcome *sum, const bb_bench_outcome *more)
 {
     sum->wrong += more->wrong;
+    sum->sets += more->sets;
+    sum->cells += more->cells;
     sum->unjudged += more->unjudged;
     sum->unbuilt += more->unbuilt;
     sum->bytes_held = more->bytes_held > sum->bytes_held ? more->bytes_held : sum->bytes_held;
@@ -244,6 +246,7 @@ bb_status bb_bench_run(const bb_bench_request *request, bb_results *results,
     const uint32_t rounds = request->repeats + 1;
     bb_progress_plan(&progress, (double)rounds * (request->scene_count * request->builder_count +
                                                   bench->sets * bb_bench_cells_of_set(bench)));
+    outcome->sets = bench->sets;
     uint32_t own = 0;
     for (uint32_t i = 0; i < request->scene_count && status == BB_OK && !bb_interrupted(); i++) {
         own += bench->parts[i].own;

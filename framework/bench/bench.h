@@ -84,8 +84,9 @@ typedef struct bb_bench_outcome {
     /* builds that failed, and cells of ours with the intersector `exact` that failed, have more
      * wrong answers than max_wrong_ppm, or differ from other such cells in their answers */
     uint32_t wrong;
-    uint32_t unbuilt;  /* builders that built no tree of any scene */
-    uint32_t unjudged; /* scenes of which no answer was judged */
+    uint32_t sets, cells; /* planned: ray sets, and cells of those that were begun */
+    uint32_t unbuilt;     /* builders that built no tree of any scene */
+    uint32_t unjudged;    /* scenes of which no answer was judged */
     /* most bytes of trees, scratch and layouts that were held at a time, by their accounts */
     uint64_t bytes_held;
     bb_bench_times times;

@@ -399,6 +399,7 @@ static bb_status start_set(trace_set *set)
             }
         }
     }
+    bench->outcome->cells += set->count;
     BB_TRY(bb_host_alloc(NULL, set->rays->count * set->bytes, "answers", &set->results));
     uint32_t first = set->rays->count < bench->batch ? set->rays->count : bench->batch;
     BB_TRY(load_batch(set, 0, first));

@@ -215,14 +215,36 @@ static bb_status list_transfers(output *list)
     return BB_OK;
 }
 
+/* What `run` compares if nothing is chosen. */
+static bb_status add_compared(output *list, const char *what, bb_status status, bb_names *names)
+{
+    for (size_t i = 0; i < names->count && status == BB_OK; i++)
+        add(list, names->items[i],
+            strcmp(what, "builder") == 0 && bb_is_reference(names->items[i]) ? "reference" : what,
+            NULL, NULL);
+    bb_names_free(names);
+    return status;
+}
+
+static bb_status list_compared(output *list)
+{
+    bb_names names = {0};
+    BB_TRY(add_compared(list, "scene", bb_add_shipped_scenes(&names), &names));
+    BB_TRY(add_compared(list, "builder", bb_choose_entrants(&names), &names));
+    BB_TRY(add_compared(list, "kernel", bb_choose_kernels(&names, NULL), &names));
+    BB_TRY(add_compared(list, "rays", bb_names_add(&names, BB_COMPARED_RAYS), &names));
+    return add_compared(list, "intersector", bb_names_add(&names, BB_COMPARED_INTERSECTORS),
+                        &names);
+}
+
 static const struct {
     const char *name;
     bb_status (*fill)(output *list);
 } kinds[] = {
-    {"builders", list_builders},         {"kernels", list_kernels}, {"layouts", list_layouts},
-    {"intersectors", list_intersectors}, {"scenes", list_scenes},   {"rays", list_rays},
-    {"metrics", list_metrics},           {"papers", list_papers},   {"axes", list_axes},
-    {"transfers", list_transfers},       {"devices", list_devices},
+    {"builders", list_builders},         {"kernels", list_kernels},   {"layouts", list_layouts},
+    {"intersectors", list_intersectors}, {"scenes", list_scenes},     {"rays", list_rays},
+    {"metrics", list_metrics},           {"papers", list_papers},     {"axes", list_axes},
+    {"transfers", list_transfers},       {"compared", list_compared}, {"devices", list_devices},
 };
 
 enum { KIND_COUNT = sizeof kinds / sizeof kinds[0] };
@@ -330,8 +352,8 @@ extern const bb_command bb_command_list;
 const bb_command bb_command_list = {
     .name = "list",
     .summary = "list what there is to choose from: builders, scenes, devices and so on",
-    .arguments =
-        "[builders|kernels|layouts|intersectors|scenes|rays|metrics|papers|axes|transfers|devices]",
+    .arguments = "[builders|kernels|layouts|intersectors|scenes|rays|metrics|papers|axes|transfers|"
+                 "compared|devices]",
     .options = options,
     .bytes = sizeof(wanted),
     .run = run,

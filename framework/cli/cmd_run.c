@@ -41,9 +41,9 @@ static const bb_cli_option options[] = {
      "kernel, or `all`; default: those to compare, and those that keep a tree's shape",
      BB_INTO(comparison, entrants.kernels)},
     {"rays", "R", "workload, or `all`; `none`: builds only",
-     BB_INTO(comparison, entrants.workloads), .fallback = "primary,ao,diffuse,shadow,random"},
+     BB_INTO(comparison, entrants.workloads), .fallback = BB_COMPARED_RAYS},
     {"intersector", "I", "intersection tests, or `all`: see `list intersectors`",
-     BB_INTO(comparison, entrants.intersectors), .fallback = "exact"},
+     BB_INTO(comparison, entrants.intersectors), .fallback = BB_COMPARED_INTERSECTORS},
     {"cell", "KEY", "measure exactly this cell, instead of all of the above",
      BB_INTO_EACH(comparison, keys),
      .apart = "scene|builder|kernel|rays|intersector|size|max-rays|seed"},
@@ -73,23 +73,6 @@ static const bb_cli_option options[] = {
     BB_QUIET_OPTION(comparison, request.quiet),
     {.name = NULL},
 };
-
-/* The builders, and the reference rows, which are in every result. */
-static bb_status choose_builders(bb_names *names)
-{
-    bool referenced = false;
-    BB_TRY(bb_choose_builders(names, false));
-    for (size_t i = 0; i < names->count; i++)
-        referenced = referenced || bb_is_reference(names->items[i]);
-    if (referenced)
-        return BB_OK;
-    return bb_names_add(names, "embree-native:quality=medium,mode=robust,"
-                               "embree-native:quality=medium,mode=fast,"
-                               "embree-native:quality=high,mode=fast,"
-                               "embree-native:quality=high,mode=fast,query=packet8,"
-                               "embree-native:quality=high,mode=fast,query=packet16,"
-                               "embree-native:quality=high,mode=fast,query=stream");
-}
 
 /* Nothing was chosen: the default comparison, which is to take two minutes, with fewer rays, and
  * which compares accuracy too. */
@@ -175,7 +158,7 @@ static bb_status choose(comparison *c)
     const uint32_t device = bb_device_find_kind(c->device.name);
     bb_bench_request *request = &c->request;
     BB_TRY(bb_choose_scenes(&c->entrants.scenes, bb_add_shipped_scenes));
-    BB_TRY(choose_builders(&c->entrants.builders));
+    BB_TRY(bb_choose_entrants(&c->entrants.builders));
     BB_TRY(choose_traces(c));
     BB_TRY(bb_choose_intersectors(&c->entrants.intersectors));
     BB_TRY(bb_choose_metrics(&c->metrics));

@@ -210,6 +210,22 @@ bb_status bb_choose_builders(bb_names *names, bool every)
     return choose(&builders, every ? add_every_variant : add_compared_variants, names);
 }
 
+bb_status bb_choose_entrants(bb_names *names)
+{
+    bool referenced = false;
+    BB_TRY(bb_choose_builders(names, false));
+    for (size_t i = 0; i < names->count; i++)
+        referenced = referenced || bb_is_reference(names->items[i]);
+    if (referenced)
+        return BB_OK;
+    return bb_names_add(names, "embree-native:quality=medium,mode=robust,"
+                               "embree-native:quality=medium,mode=fast,"
+                               "embree-native:quality=high,mode=fast,"
+                               "embree-native:quality=high,mode=fast,query=packet8,"
+                               "embree-native:quality=high,mode=fast,query=packet16,"
+                               "embree-native:quality=high,mode=fast,query=stream");
+}
+
 /* ---- what traces, and what is traced and measured ---- */
 
 static bb_status add_all_kernels(bb_names *names)

@@ -23,6 +23,13 @@ bb_status bb_add_shipped_scenes(bb_names *names);
  * and, with `every`, the names of builders that stay out of it. */
 bb_status bb_choose_builders(bb_names *names, bool every);
 
+/* The builders, and the references, which are in every result of `run`. */
+bb_status bb_choose_entrants(bb_names *names);
+
+/* Default rays and intersectors of `run`. */
+#define BB_COMPARED_RAYS "primary,ao,diffuse,shadow,random"
+#define BB_COMPARED_INTERSECTORS "exact"
+
 /* The default: the kernels to compare on the device that `device` selects. */
 bb_status bb_choose_kernels(bb_names *names, const char *device);
 /* An empty list stays empty. */

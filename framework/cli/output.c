@@ -83,6 +83,8 @@ static bb_status set_totals(bb_results *results, bb_bench_outcome *outcome)
     bb_audit_total(audit, times->build_ms, times->trace_ms, bb_results_time_ms(results, "steps"),
                    times->total_ms);
     bb_audit_rates(audit, results);
+    BB_TRY(bb_results_set_number(results, BB_F_CONTEXT_SETS, outcome->sets));
+    BB_TRY(bb_results_set_number(results, BB_F_CONTEXT_CELLS, outcome->cells));
     return bb_results_set_audit(results, audit);
 }
 

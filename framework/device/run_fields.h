@@ -52,6 +52,10 @@ RUN(SHARD, "shard", "", TEXT, EXACT, AS_TEXT, 0, "Shard", "which part of the cel
 RUN(SHARD_OF, "shard_of", "", TEXT, EXACT, AS_TEXT, 0, "Shard of", "Hash of the whole request.")
 RUN(SHARDS, "shards", "", TEXT, EXACT, AS_TEXT, 0, "Merged from",
     "shards of one run, with their hosts")
+RUN(SETS, "planned_sets", "", NUMBER, EXACT, AS_WHOLE, 0, "Planned ray sets",
+    "To be traced, by scenes, views and workloads.")
+RUN(CELLS, "planned_cells", "", NUMBER, EXACT, AS_WHOLE, 0, "Planned cells",
+    "To be measured in these sets, by builders, kernels and intersectors.")
 RUN(INTERRUPTED, "interrupted", "", FLAG, EXACT, AS_TEXT, 0, "Interrupted",
     "yes: not all was measured.")
 RUN(AUDIT_TIMINGS, "timings", "", NUMBER, TIMED, AS_FIGURE, 0, "Timings checked",

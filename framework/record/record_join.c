@@ -156,6 +156,8 @@ static bb_status join_contexts(bb_entry *context, const bb_entry *other)
         bb_put_flag(context, BB_F_CONTEXT_INTERRUPTED, true);
     if (others > own)
         bb_put_number(context, BB_F_CONTEXT_OTHERS, others);
+    for (bb_field_id f = BB_F_CONTEXT_SETS; f <= BB_F_CONTEXT_CELLS; f++)
+        bb_put_number(context, f, bb_get_number(context, f) + bb_get_number(other, f));
     return BB_OK;
 }
 

@@ -75,16 +75,19 @@ BVHBENCH_TEST_PART=4 check_run 1 'test_two did not run'
 out=$work/out
 mkdir "$out"
 check_results() {
-    expect "$1" "$2" "$source/tests/check_results.sh" "$out" 2
+    expect "$1" "$2" "$source/tests/check_results.sh" "$out" "$work/list.json"
 }
-# results FILTER: good results of two cells, rows 2 and 3, and a part of each, changed by a filter of
+jq -n '{compared: [["s", "scene"], ["b", "builder"], ["e", "reference"], ["k0", "kernel"], ["k1", "kernel"],
+    ["r", "rays"], ["i", "intersector"]] | map({name: .[0], summary: .[1]})}' >"$work/list.json"
+# results FILTER: good results of three cells, rows 2 to 4, and a part of each, changed by a filter of
 # jq.
 results() {
-    jq -n '[range(2) | {scene: "s", question: "r", builder: "b", kernel: "k\(.)"}] as $cells |
+    jq -n '([range(2) | {builder: "b", kernel: "k\(.)", intersector: "i"}] + [{builder: "e", kernel: "own"}]
+        | map(. + {scene: "s", question: "r"})) as $cells |
         {schema: "bvhbench-table/1", rows: ([{scene: "s"}, {scene: "s", builder: "b", status: "ok"}]
         + [$cells[] + {status: "ok", count: 5, ms: [1, 2], checked: 5}]
         + [$cells[] + {maker: "m"}]
-        + [{scene: "s", frame: "p.png"}])}' |
+        + [{scene: "s", frame: "p.png"}, {planned_cells: 3, planned_sets: 1}])}' |
         jq "$1" >"$out/results.json"
 }
 check_results 1 'is not there'
@@ -93,9 +96,24 @@ check_results 1 'no report.html'
 echo page >"$out/report.html"
 check_results 1 'no p.png'
 echo picture >"$out/p.png"
-check_results 0 '2 cells, each measured and judged'
+check_results 0 '3 cells, each measured and judged'
 results 'del(.rows[3])'
-check_results 1 '1 cells, not 2'
+check_results 1 '2 cells, not the 3 that were planned'
+results 'del(.rows[-1].planned_cells)'
+check_results 1 '3 cells, not the 0 that were planned'
+results '.rows[-1].planned_sets = 2'
+check_results 1 '1 ray sets, not the 2 that were planned'
+# A plan that lacks the same: the list does not.
+results 'del(.rows[3]) | .rows[-1].planned_cells = 2'
+check_results 1 'no cells: s r b k1 i'
+results 'del(.rows[4]) | .rows[-1].planned_cells = 2'
+check_results 1 'no cells: s r e'
+# From two views each: one lacks a cell.
+results '.rows |= (map(select(.question and (.maker | not)) + {view: "v"})
+    + map(select(.question and (.maker | not)) + {view: "w"}) + map(select(.question | not))
+    + [{scene: "s", view: "v"}, {scene: "s", view: "w"}])
+    | del(.rows[4]) | .rows |= map(if .planned_cells then .planned_cells = 5 | .planned_sets = 2 else . end)'
+check_results 1 'no cells: s r w b k1 i'
 results '.rows[3].status = "refused"'
 check_results 1 's b k1 r: refused'
 results '.rows[2].checked = 4'

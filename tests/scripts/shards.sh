@@ -11,6 +11,9 @@ fail() {
 arguments=(--scene sphere-mesh:n=8,cube --builder lbvh,sah --kernel stack,stack8 --rays primary,random:count=500,ao
     --size 16x16 --repeats 1 --charts no --quiet)
 common=(--charts no --quiet --repeats 1)
+planned() { # FILE
+    jq -r '.rows[] | select(.planned_cells) | "\(.planned_sets) ray sets, \(.planned_cells) cells"' "$1"
+}
 cells() { # FILE...: keys of traces, and of builds that were measured
     jq -r '.rows[] | select(.unmeasured != "yes") | .cell // empty' "$@" | sort
 }
@@ -29,6 +32,7 @@ for count in 3 13; do
     [ -z "$(uniq -d shards.txt)" ] || fail "cells are in two of $count shards"
     "$program" merge "shard-$count-"* --out "merged-$count" --history bench.db >/dev/null || fail "$count shards are not merged"
     cells "merged-$count/results.json" | diff - shards.txt >&2 || fail "$count shards merged have other cells"
+    diff <(planned whole/results.json) <(planned "merged-$count/results.json") >&2 || fail "$count shards merged have another plan"
     diff <(exact whole/results.json) <(exact "merged-$count/results.json") >&2 || fail "$count shards merged have other figures"
     jq -e 'all(.rows[]; .unmeasured != "yes" and .shard == null and .shard_of == null)
         and ([.rows[] | .shards // empty] | length == 1 and (.[0] | split("; ") | length) == '"$count)" \
