@@ -146,7 +146,7 @@ static void embree_is_on_the_cpu_wherever_it_is_shown(void **state)
     expect(0, "report labels", " trace ");
     expect(0, "report labels", " for reference, Embree on the CPU with its own trees\n");
     expect(0, "report labels", "/ref: Embree on the CPU, by its fastest row");
-    expect(0, "report labels --table", "  /Embree on the CPU  Wrong ppm");
+    expect(0, "report labels --table", "  /Embree on the CPU  mis/fal/t");
     expect(0, "report labels --table", "/Embree on the CPU: to the fastest");
     expect(0, "report labels --markdown", "/ref: Embree on the CPU, by its fastest row");
     expect(0, "report labels --csv", "traced_on");

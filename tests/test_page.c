@@ -378,6 +378,26 @@ static void what_is_long_is_fitted(void **state)
     expect_text(page, bb_page_print, expected);
 }
 
+static void wide_pages_have_wide_grids(void **state)
+{
+    (void)state;
+    for (int wide = 0; wide < 2; wide++) {
+        bb_page *page = new_page();
+        if (wide)
+            bb_page_widen(page);
+        bb_page_grid(page, "");
+        for (int i = 0; i < 16; i++)
+            bb_page_column(page, "eight...", "", "", 0);
+        for (int i = 0; i < 16; i++)
+            bb_page_put_figure(page, (bb_estimate){.value = i, .low = NAN}, 0);
+        char *text = text_of(page, bb_page_print);
+        /* 10 columns each; headings, figures and an empty line, or two times that */
+        assert_int_equal(strlen(text), 2 * (16 * 10 - (wide ? 2 : 4)) + (wide ? 3 : 6));
+        free(text);
+        bb_page_free(page);
+    }
+}
+
 static void paragraphs_end_at_100_columns(void **state)
 {
     (void)state;
@@ -679,6 +699,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(a_page_is_markdown),
         cmocka_unit_test(notes_and_marks),
         cmocka_unit_test(what_is_long_is_fitted),
+        cmocka_unit_test(wide_pages_have_wide_grids),
         cmocka_unit_test(paragraphs_end_at_100_columns),
         cmocka_unit_test(names_make_columns_and_grids),
         cmocka_unit_test(names_make_curves),

@@ -1,4 +1,5 @@
 /* bvhbench compare: what moved from one run, revision or program to another. */
+#include "framework/base/steering.h"
 #include "framework/cli/cli.h"
 #include "framework/cli/inputs.h"
 #include "framework/cli/interleave.h"
@@ -6,7 +7,6 @@
 #include "framework/compare/compare.h"
 #include "framework/compare/family.h"
 #include "framework/history/history.h"
-#include "framework/report/columns.h"
 #include "framework/report/report_compare.h"
 
 #include <math.h>
@@ -116,13 +116,13 @@ static bb_status read_side(const inputs *in, const side *s, bb_cell_set *set)
     if (!s->revision)
         return read_file(s->argument, set);
     if (s->others > 0) {
-        bb_print_text(stderr, s->entry.origin.revision, 0);
-        fprintf(stderr, " was measured on %u other machines or devices too: here it is that of ",
-                s->others);
-        bb_print_text(stderr, s->entry.origin.host, 0);
-        fputs(", ", stderr);
-        bb_print_text(stderr, s->entry.origin.device, 0);
-        fputc('\n', stderr);
+        const bb_origin *o = &s->entry.origin;
+        char note[sizeof o->revision + sizeof o->host + sizeof o->device + 100];
+        snprintf(note, sizeof note,
+                 "%s was measured on %u other machines or devices too: here it is that of %s, %s",
+                 o->revision, s->others, o->host, o->device);
+        bb_calm_text(note);
+        fprintf(stderr, "%s\n", note);
     }
     return bb_history_set(in->history, &s->entry, set);
 }

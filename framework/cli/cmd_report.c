@@ -9,6 +9,7 @@
 #include "framework/record/record.h"
 #include "framework/report/report.h"
 #include "framework/report/report_history.h"
+#include "framework/summary/prediction.h"
 #include "framework/table/table.h"
 
 #include <stdio.h>
@@ -184,6 +185,8 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
     if (w->out != NULL)
         BB_TRY(bb_out_file(w->out, "report"));
     bb_status status = read_inputs(cli, &all, &folder);
+    if (status == BB_OK)
+        status = bb_predictions_record(all);
     if (status == BB_OK)
         status = print(w, all);
     if (status == BB_OK && w->out == NULL && !only) {

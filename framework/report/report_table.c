@@ -1,179 +1,241 @@
-/* The report on the terminal: per scene its builds, then its traces by ray set; at the end what was
- * skipped, and where the time went.
- *
- * A speed is never printed without the wrong-answer rate of the same rays beside it.
- */
+/* The report as text: per scene its builds, then its traces by ray set; at the end what was
+ * skipped, and where the time went. A speed never stands without the wrong-answer rate of the same
+ * rays. */
 #include "framework/judge/queries.h"
-#include "framework/report/columns.h"
 #include "framework/report/report.h"
-#include "framework/report/report_prediction.h"
+#include "framework/show/view.h"
+#include "framework/table/figure.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
+
+/* ---- what stands in the results as it is shown ---- */
+
+enum {
+    OF_BUILD = BB_SET(BB_SCENE) | BB_SET(BB_BUILDER),
+    OF_TRACE = BB_SET(BB_QUESTION) | BB_SET(BB_KERNEL) | BB_SET(BB_INTERSECTOR),
+};
+
+static const bb_table_view about_view = {
+    .caption = "about the trees",
+    .with = OF_BUILD,
+    .without = OF_TRACE,
+    .having = "about",
+    .rows = BB_SET(BB_RUN) | BB_SET(BB_BUILDER),
+    .columns = {{.parts = {"about"}}},
+};
+static const bb_table_view stages_view = {
+    .caption = "stages",
+    .with = OF_BUILD | BB_SET(BB_MAKER),
+    .without = OF_TRACE,
+    .rows = BB_SET(BB_RUN) | BB_SET(BB_BUILDER) | BB_SET(BB_MAKER),
+    .columns = {{.parts = {"stage_ms"}, .heading = "Stages"},
+                {.parts = {"stage_sah"}},
+                {.parts = {"stage_bytes"}},
+                {.parts = {"stage_bytes_peak"}}},
+};
+static const bb_table_view reasons_view = {
+    .caption = "without figures",
+    .with = OF_BUILD,
+    .having = "reason",
+    .rows = BB_SET(BB_RUN) | OF_TRACE | BB_SET(BB_VIEW) | BB_SET(BB_BUILDER),
+    .columns = {{.parts = {"status"}}, {.parts = {"reason"}}},
+};
+static const bb_table_view skipped_view = {
+    .caption = "skipped",
+    .with = BB_SET(BB_SCENE) | BB_SET(BB_QUESTION),
+    .without = BB_SET(BB_BUILDER),
+    .rows = BB_SET(BB_RUN) | BB_SET(BB_SCENE) | BB_SET(BB_QUESTION) | BB_SET(BB_VIEW),
+    .columns = {{.parts = {"reason"}}},
+};
+static const bb_table_view times_view = {
+    .caption = "where the time went: steps; the parts of the total, of which build and trace are "
+               "timed and other is not accounted for",
+    .with = BB_SET(BB_MAKER),
+    .without = BB_SET(BB_SCENE) | BB_SET(BB_QUESTION),
+    .rows = BB_SET(BB_MAKER),
+    .columns = {{.parts = {"step_ms"}, .heading = "step"},
+                {.parts = {"time_ms"}, .heading = "part"}},
+};
+static const bb_table_view predictions_view = {
+    .caption =
+        "what trees cost, against the time per ray: (1 - alpha) SAH + alpha EPO, each alone, "
+        "and the counted work",
+    .with = BB_SET(BB_QUESTION),
+    .without = BB_SET(BB_SCENE) | BB_SET(BB_MAKER),
+    .rows = BB_SET(BB_QUESTION),
+    .columns = {{.parts = {"cells"}},
+                {.parts = {"trees"}},
+                {.parts = {"scenes"}},
+                {.parts = {"alpha"}},
+                {.parts = {"alpha_least"}},
+                {.parts = {"alpha_most"}},
+                {.parts = {"mix_error"}},
+                {.parts = {"mix_correlation"}},
+                {.parts = {"unseen_error"}},
+                {.parts = {"sah_error"}},
+                {.parts = {"sah_correlation"}},
+                {.parts = {"epo_error"}},
+                {.parts = {"epo_correlation"}},
+                {.parts = {"work_error"}},
+                {.parts = {"work_correlation"}}},
+};
+
+static void show(const bb_table_view *view, const bb_results *results, const char *scene,
+                 bb_page *page)
+{
+    bb_view_show(view, bb_results_table(results), (bb_cell){{[BB_SCENE] = scene}}, page);
+}
+
+/* ---- columns of fields ---- */
+
+static void add_columns(bb_page *page, const bb_field_id *fields, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        bb_page_column(page, bb_fields[fields[i]].heading, "", "",
+                       bb_fields[fields[i]].format == BB_AS_WHOLE ? 0 : -1);
+}
+
+static void put_number(bb_page *page, double value)
+{
+    bb_estimate figure = bb_not_measured;
+    figure.value = value;
+    bb_page_put_figure(page, figure, 0);
+}
+
+/* A median with its interval; with its range if there are too few rounds; or alone. The ends are
+ * the four fields from `low` on. */
+static void put_median(bb_page *page, const bb_entry *row, bb_field_id median, bb_field_id low)
+{
+    char text[BB_FIGURE_MAX + 8];
+    bb_estimate e = {bb_get_number(row, median), bb_get_number(row, low),
+                     bb_get_number(row, low + 1), bb_get_number(row, low + 2),
+                     bb_get_number(row, low + 3)};
+    if (isfinite(e.low) || !isfinite(e.least)) {
+        bb_page_put_figure(page, e, 0);
+        return;
+    }
+    e.low = e.least;
+    e.high = e.most;
+    strcat(strcpy(text, bb_figure_interval((char[BB_FIGURE_MAX]){0}, e, -1)), " range");
+    bb_page_put_text(page, text);
+}
+
+static void put_fields(bb_page *page, const bb_entry *row, const bb_field_id *fields, size_t count)
+{
+    char bytes[BB_FIGURE_MAX];
+    for (size_t i = 0; i < count; i++)
+        if (bb_fields[fields[i]].format == BB_AS_TEXT)
+            bb_page_put_text(page, bb_get_text(row, fields[i]));
+        else if (bb_fields[fields[i]].format == BB_AS_BYTES)
+            bb_page_put_text(page, bb_figure_bytes(bytes, bb_get_number(row, fields[i])));
+        else
+            put_number(page, bb_get_number(row, fields[i]));
+}
 
 /* ---- builds ---- */
 
-/* What a build's row has behind its time: fields and metrics of the tree, each as wide as it needs.
- */
-typedef struct tree_columns {
-    const bb_metric
-        *metrics[BB_METRICS_MAX]; /* those that were measured, of any build of the file */
-    uint32_t count;
-} tree_columns;
+static const bb_field_id of_builds[] = {BB_F_BUILD_BUILDER, BB_F_BUILD_RATE, BB_F_BUILD_HANDOVER};
+static const bb_field_id of_trees[] = {BB_F_TREE_DEPTH, BB_F_TREE_BYTES, BB_F_TREE_BYTES_PEAK};
+static const bb_field_id of_native[] = {BB_F_TREE_DEPTH, BB_F_BUILD_BYTES_NATIVE,
+                                        BB_F_TREE_BYTES_PEAK};
+enum {
+    OF_BUILDS = sizeof of_builds / sizeof of_builds[0],
+    OF_TREES = sizeof of_trees / sizeof of_trees[0],
+};
 
-static const bb_field_id after_metrics[] = {BB_F_TREE_DEPTH, BB_F_TREE_BYTES, BB_F_TREE_BYTES_PEAK};
-enum { AFTER_METRICS = sizeof after_metrics / sizeof after_metrics[0] };
-
-/* Those that are always measured, then those on request. */
-static tree_columns choose_columns(const bb_section *builds)
+/* Metrics that were measured of any build: those that always are, then those on request. */
+static uint32_t choose_metrics(const bb_section *builds, const bb_metric *metrics[BB_METRICS_MAX])
 {
-    tree_columns columns = {.count = 0};
+    uint32_t count = 0;
     for (int on_request = 0; on_request < 2; on_request++)
         for (uint32_t i = 0; i < bb_metric_count(); i++)
             if (bb_metrics[i]->on_request == on_request &&
                 bb_metric_measured(builds, bb_metrics[i]))
-                columns.metrics[columns.count++] = bb_metrics[i];
-    return columns;
+                metrics[count++] = bb_metrics[i];
+    return count;
 }
 
-static int metric_width(const bb_metric *metric)
+static bool is_of(const bb_entry *build, const char *scene)
 {
-    return bb_larger(7, (int)strlen(metric->title));
+    return strcmp(bb_get_text(build, BB_F_BUILD_SCENE), scene) == 0;
 }
 
-static void print_heading(FILE *out, const bb_medians *times, const tree_columns *columns,
-                          int width)
+static void begin_layouts(bb_page *page)
 {
-    fprintf(out, "\n  %-*s  %8s  %-9s  %-*s  %9s  %9s", width,
-            bb_fields[BB_F_BUILD_BUILDER].heading, bb_fields[BB_F_BUILD_RATE].heading,
-            bb_fields[BB_F_BUILD_HANDOVER].heading, times->width, times->heading, "Layout ms",
-            "First ray");
-    for (uint32_t i = 0; i < columns->count; i++)
-        fprintf(out, "  %*s", metric_width(columns->metrics[i]), columns->metrics[i]->title);
-    for (size_t i = 0; i < AFTER_METRICS; i++)
-        fprintf(out, "  %8s", bb_fields[after_metrics[i]].heading);
-    fputc('\n', out);
+    bb_page_grid(page, "layouts");
+    add_columns(page, (const bb_field_id[]){BB_F_BUILD_BUILDER}, 1);
+    bb_page_column(page, "Layout", "", "", 0);
+    bb_page_column(page, "Layout ms", "", "", -1);
+    bb_page_column(page, "First ray", "", "", -1);
 }
 
-/* Why a row has no figures; false if it has. */
-static bool print_reason(FILE *out, const bb_entry *row, bb_field_id status, bb_field_id reason)
+static void add_layouts(bb_page *page, const bb_section *builds, const char *scene)
 {
-    if (bb_is_ok(row))
-        return false;
-    fputs("  ", out);
-    bb_print_text(out, bb_get_text(row, status), 0);
-    fputs(": ", out);
-    bb_print_text(out, bb_get_text(row, reason), 0);
-    fputc('\n', out);
-    return true;
-}
-
-static void print_tree(FILE *out, const bb_entry *build, const tree_columns *columns)
-{
-    char entry[BB_ENTRY];
-    double native = bb_get_number(build, BB_F_BUILD_BYTES_NATIVE);
-    for (uint32_t i = 0; i < columns->count; i++) {
-        bb_figure(entry, bb_get_metric(build, columns->metrics[i]), -1);
-        fprintf(out, "  %*s", metric_width(columns->metrics[i]), entry);
-    }
-    for (size_t i = 0; i < AFTER_METRICS; i++) {
-        bb_text_field(entry, build, after_metrics[i]);
-        if (after_metrics[i] == BB_F_TREE_BYTES && isfinite(native))
-            bb_figure_bytes(entry, native);
-        fprintf(out, "  %8s", entry);
-    }
-    fputc('\n', out);
-}
-
-/* Of a pipeline: what each step took, the SAH of the tree after it, and the memory. */
-static void print_stages(FILE *out, const bb_entry *build)
-{
-    const char *after = "    stages:";
-    bb_each_part(stage, build, BB_F_BUILD_STAGES)
+    bool begun = false;
+    bb_each(build, builds) bb_each_part(layout, build, BB_F_BUILD_LAYOUTS_MS)
     {
-        char ms[BB_ENTRY], sah[BB_ENTRY], bytes[BB_ENTRY];
-        const char *name = bb_part_name(stage);
-        bb_figure(ms, bb_get_number(stage, BB_F_BUILD_STAGES), -1);
-        double cost = bb_get_named(build, BB_F_BUILD_STAGES_SAH, name);
-        double peak = bb_get_named(build, BB_F_BUILD_STAGES_PEAK, name);
-        bb_figure(sah, cost, -1);
-        bb_figure_bytes(bytes, peak);
-        fprintf(out, "%s ", after);
-        bb_print_text(out, name, 0);
-        fprintf(out, " %s ms", ms);
-        if (isfinite(cost))
-            fprintf(out, ", SAH %s", sah);
-        if (isfinite(peak))
-            fprintf(out, ", %s", bytes);
-        after = ";";
+        if (!is_of(build, scene))
+            break;
+        if (!begun)
+            begin_layouts(page);
+        begun = true;
+        bb_page_put_text(page, bb_get_text(build, BB_F_BUILD_BUILDER));
+        bb_page_put_text(page, bb_part_name(layout));
+        put_number(page, bb_get_number(layout, BB_F_BUILD_LAYOUTS_MS));
+        put_number(page, bb_first_ray_ms(build, bb_part_name(layout)));
     }
-    if (after[0] == ';')
-        fputc('\n', out);
 }
 
-static void print_build(FILE *out, const bb_entry *build, int width, const bb_medians *times,
-                        const tree_columns *columns)
+static void add_build(bb_page *page, const bb_entry *build, const bb_metric *const *metrics,
+                      uint32_t count)
 {
     const bb_entry *layout = bb_first_part(build, BB_F_BUILD_LAYOUTS_MS);
-    char rate[BB_ENTRY], ms[BB_ENTRY], conversion[BB_ENTRY], first[BB_ENTRY];
-    fputs("  ", out);
-    bb_print_text(out, bb_get_text(build, BB_F_BUILD_BUILDER), width);
-    if (print_reason(out, build, BB_F_BUILD_STATUS, BB_F_BUILD_REASON))
-        return;
-    bb_text_field(rate, build, BB_F_BUILD_RATE);
-    bb_medians_text(ms, times, build);
-    bb_figure(conversion,
-              layout != NULL ? bb_get_number(layout, BB_F_BUILD_LAYOUTS_MS) : (double)NAN, -1);
-    bb_figure(first, bb_first_ray_ms(build, layout != NULL ? bb_part_name(layout) : ""), -1);
-    fprintf(out, "  %8s  %-9s  %-*s  %9s  %9s", rate, bb_get_text(build, BB_F_BUILD_HANDOVER),
-            times->width, ms, conversion, first);
-    print_tree(out, build, columns);
-    const char *about = bb_get_text(build, BB_F_BUILD_ABOUT);
-    if (about[0] != '\0') {
-        fputs("    ", out);
-        bb_print_text(out, about, 0);
-        fputc('\n', out);
-    }
-    print_stages(out, build);
-    if (layout == NULL || bb_next_part(layout, BB_F_BUILD_LAYOUTS_MS) == NULL)
-        return;
-    fputs("    layouts:", out);
-    for (; layout != NULL; layout = bb_next_part(layout, BB_F_BUILD_LAYOUTS_MS)) {
-        bb_figure(conversion, bb_get_number(layout, BB_F_BUILD_LAYOUTS_MS), -1);
-        fputc(' ', out);
-        bb_figure(first, bb_first_ray_ms(build, bb_part_name(layout)), -1);
-        bb_print_text(out, bb_part_name(layout), 0);
-        fprintf(out, " %s ms, first ray %s%s", conversion, first,
-                bb_next_part(layout, BB_F_BUILD_LAYOUTS_MS) != NULL ? ";" : "\n");
-    }
+    const double native = bb_get_number(build, BB_F_BUILD_BYTES_NATIVE);
+    put_fields(page, build, of_builds, OF_BUILDS);
+    put_median(page, build, BB_F_BUILD_MS_MEDIAN, BB_F_BUILD_MS_LO);
+    put_number(page, layout != NULL ? bb_get_number(layout, BB_F_BUILD_LAYOUTS_MS) : (double)NAN);
+    put_number(page, bb_first_ray_ms(build, layout != NULL ? bb_part_name(layout) : ""));
+    for (uint32_t i = 0; i < count; i++)
+        put_number(page, bb_get_metric(build, metrics[i]));
+    put_fields(page, build, isfinite(native) ? of_native : of_trees, OF_TREES);
+    bb_page_put_text(page, bb_is_ok(build) ? "" : bb_get_text(build, BB_F_BUILD_STATUS));
 }
 
-static void print_builds(FILE *out, const bb_section *builds, const char *scene)
+static void add_builds(bb_page *page, const bb_results *results, const char *scene)
 {
-    bb_medians times = {.median = BB_F_BUILD_MS_MEDIAN, .low = BB_F_BUILD_MS_LO};
-    const tree_columns columns = choose_columns(builds);
-    int width = 7, rows = 0;
-    bb_each(build, builds)
-    {
-        if (strcmp(bb_get_text(build, BB_F_BUILD_SCENE), scene) != 0)
-            continue;
-        width = bb_larger(width, (int)strlen(bb_get_text(build, BB_F_BUILD_BUILDER)));
-        bb_medians_take(&times, build);
-        rows++;
-    }
-    if (rows == 0)
+    const bb_section *builds = bb_results_section(results, BB_BUILDS);
+    const bb_metric *metrics[BB_METRICS_MAX];
+    const uint32_t count = choose_metrics(builds, metrics);
+    const bb_entry *first = bb_first(builds);
+    while (first != NULL && !is_of(first, scene))
+        first = bb_next(first);
+    if (first == NULL)
         return;
-    bb_medians_finish(&times);
-    print_heading(out, &times, &columns, width);
+    bb_page_grid(page, "");
+    add_columns(page, of_builds, OF_BUILDS);
+    add_columns(page, (const bb_field_id[]){BB_F_BUILD_MS_MEDIAN}, 1);
+    bb_page_column(page, "Layout ms", "", "", -1);
+    bb_page_column(page, "First ray", "", "", -1);
+    for (uint32_t i = 0; i < count; i++)
+        bb_page_column(page, metrics[i]->title, "", "", -1);
+    add_columns(page, of_trees, OF_TREES);
+    bb_page_column(page, "", "", "", 0);
     bb_each(build, builds)
     {
-        if (strcmp(bb_get_text(build, BB_F_BUILD_SCENE), scene) == 0)
-            print_build(out, build, width, &times, &columns);
+        if (is_of(build, scene))
+            add_build(page, build, metrics, count);
     }
+    show(&about_view, results, scene, page);
+    show(&stages_view, results, scene, page);
+    add_layouts(page, builds, scene);
 }
 
 /* ---- traces ---- */
+
+static const bb_field_id of_traces[] = {BB_F_TRACE_NODE_TESTS, BB_F_TRACE_PRIM_TESTS,
+                                        BB_F_TRACE_WORK};
+enum { OF_TRACES = sizeof of_traces / sizeof of_traces[0] };
 
 /* The very same rays, from the same run. */
 static bool same_rays(const bb_entry *a, const bb_entry *b)
@@ -183,303 +245,208 @@ static bool same_rays(const bb_entry *a, const bb_entry *b)
            bb_same_text(a, b, BB_F_TRACE_RAYS_HASH) && bb_run_of(a) == bb_run_of(b);
 }
 
-/* Mrays/s of the fastest reference row on the rays of `trace`; NAN if there is none. */
-static double reference_rate(const bb_section *traces, const bb_entry *trace)
+/* The rate of wrong answers: capital letters above the limit, small ones for reference and inexact
+ * rows, whose errors are expected. */
+static void put_wrong(bb_page *page, const bb_entry *trace)
 {
-    double best = NAN;
-    bb_each(other, traces)
-    {
-        if (bb_get_true(other, BB_F_TRACE_REFERENCE) && same_rays(other, trace))
-            best = fmax(best, bb_get_number(other, BB_F_TRACE_RATE));
-    }
-    return best;
-}
-
-/* "0", "12.3 WRONG": capital letters above the limit, small ones for reference and inexact rows,
- * whose errors are expected. */
-static void wrong_entry(char entry[BB_ENTRY], const bb_entry *trace)
-{
-    double ppm = bb_get_number(trace, BB_F_ACCURACY_WRONG_PPM);
-    double overflowed = bb_get_number(trace, BB_F_ACCURACY_OVERFLOWED);
-    char rate[BB_ENTRY];
-    if (!isfinite(ppm)) {
-        snprintf(entry, BB_ENTRY, "unchecked");
-        return;
-    }
-    bb_figure(rate, ppm, -1);
-    bool failed = bb_get_true(trace, BB_F_TRACE_WRONG) && bb_get_true(trace, BB_F_TRACE_COUNTS);
-    const char *mark = failed ? " WRONG" : ppm > 0 ? " wrong" : "";
-    snprintf(entry, BB_ENTRY, "%.24s%s%s%s", ppm == 0 ? "0" : rate, mark,
+    const double ppm = bb_get_number(trace, BB_F_ACCURACY_WRONG_PPM);
+    const bool failed =
+        bb_get_true(trace, BB_F_TRACE_WRONG) && bb_get_true(trace, BB_F_TRACE_COUNTS);
+    char rate[BB_FIGURE_MAX], text[BB_FIGURE_MAX];
+    snprintf(text, sizeof text, "%.24s%s%s%s", bb_figure(rate, ppm, -1),
+             failed    ? " WRONG"
+             : ppm > 0 ? " wrong"
+                       : "",
              bb_get_number(trace, BB_F_TRACE_UNLIKE) > 0 ? " unlike" : "",
-             overflowed > 0 ? " OVERFLOW" : "");
+             bb_get_number(trace, BB_F_ACCURACY_OVERFLOWED) > 0 ? " OVERFLOW" : "");
+    bb_page_put_text(page, isfinite(ppm) ? text : bb_is_ok(trace) ? "unchecked" : "-");
 }
 
 /* Missed, false and wrong t, in rays. */
-static void classes_entry(char entry[BB_ENTRY], const bb_entry *trace)
+static void put_classes(bb_page *page, const bb_entry *trace)
 {
-    if (isnan(bb_get_number(trace, BB_F_ACCURACY_CHECKED)))
-        snprintf(entry, BB_ENTRY, "-");
-    else
-        snprintf(entry, BB_ENTRY, "%.0f/%.0f/%.0f", bb_get_number(trace, BB_F_ACCURACY_MISSED),
+    char text[BB_FIGURE_MAX] = "-";
+    if (isfinite(bb_get_number(trace, BB_F_ACCURACY_CHECKED)))
+        snprintf(text, sizeof text, "%.0f/%.0f/%.0f", bb_get_number(trace, BB_F_ACCURACY_MISSED),
                  bb_get_number(trace, BB_F_ACCURACY_FALSE),
                  bb_get_number(trace, BB_F_ACCURACY_WRONG_T));
+    bb_page_put_text(page, text);
 }
 
 /* The kernel, a star if its layout keeps the builder's own tree, and the intersector where it is
- * not the default; 0-terminated in `name`. */
-static void kernel_name(const bb_entry *trace, char *name, size_t capacity)
+ * not the default. */
+static void put_kernel(bb_page *page, const bb_entry *trace)
 {
     const char *intersector = bb_get_text(trace, BB_F_TRACE_INTERSECTOR);
-    bool shown = intersector[0] != '\0' && strcmp(intersector, "exact") != 0 &&
-                 !bb_get_true(trace, BB_F_TRACE_REFERENCE);
-    snprintf(name, capacity, "%s%s%s%s", bb_get_text(trace, BB_F_TRACE_KERNEL),
+    const bool shown = intersector[0] != '\0' && strcmp(intersector, "exact") != 0 &&
+                       !bb_get_true(trace, BB_F_TRACE_REFERENCE);
+    char name[640];
+    snprintf(name, sizeof name, "%s%s%s%s", bb_get_text(trace, BB_F_TRACE_KERNEL),
              bb_get_true(trace, BB_F_TRACE_NATIVE) ? " *" : "", shown ? " / " : "",
              shown ? intersector : "");
+    bb_page_put_text(page, name);
 }
 
-/* What the rows of one ray set share. */
-typedef struct group {
-    double reference;   /* Mrays/s; NAN if there is none */
-    double count;       /* rays of the set: brute force traces only the first of them */
-    const char *embree; /* what the ratios are to */
-    int builder_width, kernel_width, ratio_width;
-    bb_medians rates;
-} group;
-
-static void print_trace(FILE *out, const bb_entry *trace, const group *set)
+/* Why there are no figures; or how many rays of the set were traced, if not all: brute force traces
+ * only the first of them. */
+static void put_rest(bb_page *page, const bb_entry *trace, double all)
 {
-    char kernel[640], rate[BB_ENTRY], ratio[BB_ENTRY], wrong[BB_ENTRY], classes[BB_ENTRY],
-        nodes[BB_ENTRY], prims[BB_ENTRY], work[BB_ENTRY];
-    kernel_name(trace, kernel, sizeof kernel);
-    fputs("  ", out);
-    bb_print_text(out, bb_get_text(trace, BB_F_TRACE_BUILDER), set->builder_width);
-    fputs("  ", out);
-    bb_print_text(out, kernel, set->kernel_width);
-    if (print_reason(out, trace, BB_F_TRACE_STATUS, BB_F_TRACE_REASON))
-        return;
-    double speed = bb_get_number(trace, BB_F_TRACE_RATE);
-    bb_medians_text(rate, &set->rates, trace);
-    bb_figure(ratio, speed / set->reference, -1);
-    wrong_entry(wrong, trace);
-    classes_entry(classes, trace);
-    bb_text_field(nodes, trace, BB_F_TRACE_NODE_TESTS);
-    bb_text_field(prims, trace, BB_F_TRACE_PRIM_TESTS);
-    bb_text_field(work, trace, BB_F_TRACE_WORK);
-    fprintf(out, "  %-*s  %*s  %-12s  %-10s  %9s  %11s  %7s", set->rates.width, rate,
-            set->ratio_width, ratio, wrong, classes, nodes, prims, work);
-    if (bb_get_number(trace, BB_F_TRACE_COUNT) < set->count) {
-        bb_figure(rate, bb_get_number(trace, BB_F_TRACE_COUNT), 0);
-        fprintf(out, "  of the first %s rays", rate);
-    }
-    fputc('\n', out);
+    const double count = bb_get_number(trace, BB_F_TRACE_COUNT);
+    char number[BB_FIGURE_MAX], text[BB_FIGURE_MAX + 32] = "";
+    if (!bb_is_ok(trace))
+        snprintf(text, sizeof text, "%.100s", bb_get_text(trace, BB_F_TRACE_STATUS));
+    else if (count < all)
+        snprintf(text, sizeof text, "of the first %s rays", bb_figure(number, count, 0));
+    bb_page_put_text(page, text);
 }
 
-/* In its own words; one that is not known here, as of another plug-in, by its name. */
-static void print_query(FILE *out, const char *name)
+/* Rays of the set, how they were made, and what is asked of them in the query's own words; one that
+ * is not known here, as of another plug-in, is named. */
+static void begin_set(bb_page *page, const bb_entry *first, double count, const char *embree)
 {
-    const bb_query *query = bb_query_find(name);
-    if (name[0] == '\0')
-        return;
-    fputs(", ", out);
-    bb_print_text(out, query != NULL ? query->asks : name, 0);
+    char number[BB_FIGURE_MAX], text[1024], ratio[64];
+    const char *view = bb_get_text(first, BB_F_TRACE_VIEW);
+    const char *query = bb_get_text(first, BB_F_TRACE_QUERY);
+    const bb_query *known = bb_query_find(query);
+    const bool given = strcmp(bb_get_text(first, BB_F_TRACE_RAYS_SOURCE), "as given") == 0;
+    snprintf(text, sizeof text, "%.300s%s%s%.300s: %s rays%s%.200s",
+             bb_get_text(first, BB_F_TRACE_RAYS), given ? " (rays as given)" : "",
+             view[0] != '\0' ? ", view " : "", view, bb_figure(number, count, 0),
+             query[0] != '\0' ? ", " : "", known != NULL ? known->asks : query);
+    snprintf(ratio, sizeof ratio, "/%s", embree);
+    bb_page_grid(page, text);
+    add_columns(page, (const bb_field_id[]){BB_F_TRACE_BUILDER, BB_F_TRACE_KERNEL, BB_F_TRACE_RATE},
+                3);
+    add_columns(page, (const bb_field_id[]){BB_F_ACCURACY_WRONG_PPM}, 1);
+    bb_page_column(page, ratio, "", "", -1);
+    bb_page_column(page, "mis/fal/t", "", "", 0);
+    add_columns(page, of_traces, OF_TRACES);
+    bb_page_column(page, "", "", "", 0);
 }
 
-static void print_group(FILE *out, const bb_section *traces, const bb_entry *first,
-                        const char *embree)
+/* Ratios are to the fastest reference row on the same rays. */
+static void add_set(bb_page *page, const bb_section *traces, const bb_entry *first,
+                    const char *embree)
 {
-    group set = {.reference = reference_rate(traces, first),
-                 .embree = embree,
-                 .builder_width = 7,
-                 .kernel_width = 6,
-                 .ratio_width = 1 + (int)strlen(embree),
-                 .rates = {.median = BB_F_TRACE_RATE, .low = BB_F_TRACE_RATE_LO}};
-    char count[BB_ENTRY], kernel[640];
+    double count = 0, reference = NAN;
     bb_each(trace, traces)
     {
         if (!same_rays(trace, first))
             continue;
-        kernel_name(trace, kernel, sizeof kernel);
-        set.builder_width =
-            bb_larger(set.builder_width, (int)strlen(bb_get_text(trace, BB_F_TRACE_BUILDER)));
-        set.kernel_width = bb_larger(set.kernel_width, (int)strlen(kernel));
-        set.count = fmax(set.count, bb_get_number(trace, BB_F_TRACE_COUNT));
-        bb_medians_take(&set.rates, trace);
+        count = fmax(count, bb_get_number(trace, BB_F_TRACE_COUNT));
+        if (bb_get_true(trace, BB_F_TRACE_REFERENCE))
+            reference = fmax(reference, bb_get_number(trace, BB_F_TRACE_RATE));
     }
-    bb_medians_finish(&set.rates);
-    bb_figure(count, set.count, 0);
-    fputs("\n  ", out);
-    bb_print_text(out, bb_get_text(first, BB_F_TRACE_RAYS), 0);
-    if (strcmp(bb_get_text(first, BB_F_TRACE_RAYS_SOURCE), "as given") == 0)
-        fputs(" (rays as given)", out);
-    if (bb_get_text(first, BB_F_TRACE_VIEW)[0] != '\0') {
-        fputs(", view ", out);
-        bb_print_text(out, bb_get_text(first, BB_F_TRACE_VIEW), 0);
-    }
-    fprintf(out, ": %s rays", count);
-    print_query(out, bb_get_text(first, BB_F_TRACE_QUERY));
-    fputc('\n', out);
-    fprintf(out, "  %-*s  %-*s  %-*s  /%s  %-12s  %-10s  %9s  %11s  %7s\n", set.builder_width,
-            bb_fields[BB_F_TRACE_BUILDER].heading, set.kernel_width,
-            bb_fields[BB_F_TRACE_KERNEL].heading, set.rates.width, set.rates.heading, set.embree,
-            bb_fields[BB_F_ACCURACY_WRONG_PPM].heading, "mis/fal/t",
-            bb_fields[BB_F_TRACE_NODE_TESTS].heading, bb_fields[BB_F_TRACE_PRIM_TESTS].heading,
-            bb_fields[BB_F_TRACE_WORK].heading);
+    begin_set(page, first, count, embree);
     bb_each(trace, traces)
     {
-        if (same_rays(trace, first))
-            print_trace(out, trace, &set);
+        if (!same_rays(trace, first))
+            continue;
+        bb_page_put_text(page, bb_get_text(trace, BB_F_TRACE_BUILDER));
+        put_kernel(page, trace);
+        put_median(page, trace, BB_F_TRACE_RATE, BB_F_TRACE_RATE_LO);
+        put_wrong(page, trace);
+        put_number(page, bb_get_number(trace, BB_F_TRACE_RATE) / reference);
+        put_classes(page, trace);
+        put_fields(page, trace, of_traces, OF_TRACES);
+        put_rest(page, trace, count);
     }
 }
 
-static void print_traces(FILE *out, const bb_section *traces, const char *scene, const char *embree)
+static void add_traces(bb_page *page, const bb_results *results, const char *scene)
 {
+    const bb_section *traces = bb_results_section(results, BB_TRACES);
     bb_each(trace, traces)
     {
+        const bb_entry *earlier = bb_first(traces);
         if (strcmp(bb_get_text(trace, BB_F_TRACE_SCENE), scene) != 0)
             continue;
-        const bb_entry *earlier = bb_first(traces);
         while (earlier != trace && !same_rays(earlier, trace))
             earlier = bb_next(earlier);
         if (earlier == trace)
-            print_group(out, traces, trace, embree);
+            add_set(page, traces, trace, bb_results_reference(results));
     }
 }
 
-/* ---- skipped sets, times ---- */
+/* ---- all of it ---- */
 
-static void print_skipped(FILE *out, const bb_section *skipped)
+/* Judged files do not say what was compiled, or what the clocks said. Runs merged with one that has
+ * no total have steps alone. */
+static void add_run(bb_page *page, const bb_results *results)
 {
-    if (bb_first(skipped) == NULL)
-        return;
-    fputs("\nskipped\n", out);
-    bb_each(set, skipped)
-    {
-        const char *view = bb_get_text(set, BB_F_SKIPPED_VIEW);
-        fputs("  ", out);
-        bb_print_text(out, bb_get_text(set, BB_F_SKIPPED_SCENE), 0);
-        fputs(": ", out);
-        bb_print_text(out, bb_get_text(set, BB_F_SKIPPED_RAYS), 0);
-        fputs(view[0] != '\0' ? ", view " : "", out);
-        bb_print_text(out, view, 0);
-        fputs(": ", out);
-        bb_print_text(out, bb_get_text(set, BB_F_SKIPPED_REASON), 0);
-        fputc('\n', out);
-    }
-}
-
-static void print_seconds(FILE *out, const char *name, double ms)
-{
-    fputs("  ", out);
-    bb_print_text(out, name, 32);
-    if (isfinite(ms))
-        fprintf(out, " %9.3f s\n", ms / 1e3);
-    else
-        fputs("         -\n", out);
-}
-
-/* Runs merged with one that has no total have the steps only. */
-static void print_times(FILE *out, const bb_results *results)
-{
-    const bb_section *steps = bb_results_section(results, BB_STEPS);
-    const bool whole = isfinite(bb_results_time_ms(results, "total"));
+    const bb_entry *context = bb_results_context(results);
+    char sum[BB_FIGURE_MAX];
     double total = 0;
-    if (bb_first(steps) == NULL)
-        return;
-    fputs(whole ? "\nwhere the time went\n" : "\ntime outside build and trace\n", out);
-    if (whole) {
-        print_seconds(out, "builds, timed", bb_results_time_ms(results, "build"));
-        print_seconds(out, "traces, timed", bb_results_time_ms(results, "trace"));
-    }
-    bb_each(step, steps)
+    bb_each(step, bb_results_section(results, BB_STEPS))
     {
         const double ms = bb_get_number(step, BB_F_STEP_MS);
-        if (isnan(ms)) /* of the times alone */
-            continue;
-        print_seconds(out, bb_part_name(step), ms);
-        total += ms;
+        total += isfinite(ms) ? ms : 0;
     }
-    if (whole) {
-        print_seconds(out, "not accounted for", bb_results_time_ms(results, "other"));
-        total = bb_results_time_ms(results, "total");
-    }
-    print_seconds(out, "total", total);
+    show(&times_view, results, NULL, page);
+    if (total > 0 && !isfinite(bb_results_time_ms(results, "total")))
+        bb_page_say(page, "all steps together: %s ms", bb_figure(sum, total, -1));
+    if (isfinite(bb_get_number(context, BB_F_CONTEXT_PROGRAMS)))
+        bb_page_say(page, "%.0f programs compiled in %.1f s by driver %s, kernel cache %s",
+                    bb_get_number(context, BB_F_CONTEXT_PROGRAMS),
+                    1e-3 * bb_get_number(context, BB_F_CONTEXT_COMPILE),
+                    bb_get_text(context, BB_F_CONTEXT_DRIVER),
+                    bb_get_text(context, BB_F_CONTEXT_CACHE));
+    if (isfinite(bb_get_number(context, BB_F_CONTEXT_AUDIT_TIMINGS)))
+        bb_page_say(page,
+                    "%.0f timings were held against the clocks of the devices, %.0f rates against "
+                    "what was judged: %.0f contradict each other",
+                    bb_get_number(context, BB_F_CONTEXT_AUDIT_TIMINGS),
+                    bb_get_number(context, BB_F_CONTEXT_AUDIT_RATES),
+                    bb_get_number(context, BB_F_CONTEXT_AUDIT_COMPLAINTS));
 }
 
-/* Judged files do not say: nothing was compiled for them. */
-static void print_compiling(FILE *out, const bb_entry *context)
+static void add_legend(bb_page *page, const bb_results *results)
 {
-    if (isnan(bb_get_number(context, BB_F_CONTEXT_PROGRAMS)))
+    bb_page_note(
+        page,
+        "[a, b]: 95 %% interval of the median by order statistics. range: the lowest and "
+        "the highest of too few rounds for an interval, which takes %d; of one round there "
+        "is neither.",
+        BB_INTERVAL_ROUNDS);
+    bb_page_note(page, "What trees cost: error: typical deviation of the time; r: correlation of "
+                       "logarithms; both with a factor of its own for each ray set and kernel. "
+                       "least, most: of alpha with one scene left out; unseen: deviation on the "
+                       "scene that was.");
+    if (bb_section_count(bb_results_section(results, BB_TRACES)) == 0)
         return;
-    fprintf(out, "\n%.0f programs compiled in %.1f s by driver ",
-            bb_get_number(context, BB_F_CONTEXT_PROGRAMS),
-            1e-3 * bb_get_number(context, BB_F_CONTEXT_COMPILE));
-    bb_print_text(out, bb_get_text(context, BB_F_CONTEXT_DRIVER), 0);
-    fputs(", kernel cache ", out);
-    bb_print_text(out, bb_get_text(context, BB_F_CONTEXT_CACHE), 0);
-    fputc('\n', out);
-}
-
-static void print_audit(FILE *out, const bb_entry *context)
-{
-    if (isnan(bb_get_number(context, BB_F_CONTEXT_AUDIT_TIMINGS)))
-        return;
-    fprintf(
-        out,
-        "\n%.0f timings were held against the clocks of the devices, %.0f rates against what was "
-        "judged: %.0f contradict each other\n",
-        bb_get_number(context, BB_F_CONTEXT_AUDIT_TIMINGS),
-        bb_get_number(context, BB_F_CONTEXT_AUDIT_RATES),
-        bb_get_number(context, BB_F_CONTEXT_AUDIT_COMPLAINTS));
-}
-
-/* What the tables' headings mean. `embree`: what traces are held against; NULL: there are none. */
-static void print_legend(FILE *out, const char *embree)
-{
-    fprintf(out,
-            "\n[95 %%]: interval of the median by order statistics. [range]: the lowest and the "
-            "highest of too\nfew rounds for an interval, which takes %d; of one round there is "
-            "neither.\n",
-            BB_INTERVAL_ROUNDS);
-    if (embree != NULL)
-        fprintf(out,
-                "First ray: boxes, build, transfer and layout, in ms.\n*: native, the layout keeps "
-                "the shape of the builder's own tree.\n"
-                "/%s: to the fastest embree-native row on the same rays.\n"
-                "Wrong ppm: wrong rays per million; unlike: answers unlike those of other cells "
-                "with `exact`;\nmis/fal/t: rays missed, false hits, wrong distance.\nBox tests, "
-                "Prim. tests: per ray, from a separate counting run; Work: 1.2 for each pair of "
-                "boxes, 1 for each primitive.\n",
-                embree);
+    bb_page_note(page, "First ray: boxes, build, transfer and layout, in ms.");
+    bb_page_note(page, "*: native, the layout keeps the shape of the builder's own tree.");
+    bb_page_note(page, "/%s: to the fastest embree-native row on the same rays.",
+                 bb_results_reference(results));
+    bb_page_note(page, "Wrong ppm: wrong rays per million; unlike: answers unlike those of other "
+                       "cells with `exact`; mis/fal/t: rays missed, false hits, wrong distance.");
+    bb_page_note(page, "Box tests, Prim. tests: per ray, from a separate counting run; Work: 1.2 "
+                       "for each pair of boxes, 1 for each primitive.");
 }
 
 bb_status bb_report_table(const bb_results *results, FILE *out)
 {
     const bb_entry *context = bb_results_context(results);
-    const bb_section *builds = bb_results_section(results, BB_BUILDS);
-    const bb_section *traces = bb_results_section(results, BB_TRACES);
-    fprintf(out, "bvhbench ");
-    bb_print_text(out, bb_get_text(context, BB_F_CONTEXT_REVISION), 0);
-    fputs(" on ", out);
-    bb_print_text(out, bb_get_text(context, BB_F_CONTEXT_DEVICE), 0);
-    fputc('\n', out);
+    bb_page *page;
+    BB_TRY(bb_page_create("bvhbench", &page));
+    bb_page_widen(page);
+    bb_page_say(page, "bvhbench %s on %s", bb_get_text(context, BB_F_CONTEXT_REVISION),
+                bb_get_text(context, BB_F_CONTEXT_DEVICE));
     bb_each(scene, bb_results_section(results, BB_SCENES))
     {
         const char *name = bb_get_text(scene, BB_F_SCENE_NAME);
-        char count[BB_ENTRY];
-        bb_figure(count, bb_get_number(scene, BB_F_SCENE_PRIMS), 0);
-        fputc('\n', out);
-        bb_print_text(out, name, 0);
-        fprintf(out, ": %s ", count);
-        bb_print_text(out, bb_get_text(scene, BB_F_SCENE_KIND), 0);
-        fputc('\n', out);
-        print_builds(out, builds, name);
-        print_traces(out, traces, name, bb_results_reference(results));
+        char count[BB_FIGURE_MAX], heading[600];
+        snprintf(heading, sizeof heading, "%.300s: %s %.100s", name,
+                 bb_figure(count, bb_get_number(scene, BB_F_SCENE_PRIMS), 0),
+                 bb_get_text(scene, BB_F_SCENE_KIND));
+        bb_page_heading(page, heading);
+        add_builds(page, results, name);
+        add_traces(page, results, name);
+        show(&reasons_view, results, name, page);
     }
-    BB_TRY(bb_report_predictions(results, out));
-    print_skipped(out, bb_results_section(results, BB_SKIPPED));
-    print_times(out, results);
-    print_compiling(out, context);
-    print_audit(out, context);
-    print_legend(out, bb_section_count(traces) > 0 ? bb_results_reference(results) : NULL);
-    return ferror(out) ? bb_fail(BB_FAILED, "cannot write the table") : BB_OK;
+    show(&predictions_view, results, NULL, page);
+    show(&skipped_view, results, NULL, page);
+    add_run(page, results);
+    add_legend(page, results);
+    return bb_page_end(page, bb_page_print, out);
 }

@@ -10,6 +10,7 @@
 
 struct bb_page {
     bool lost; /* memory ran out */
+    bool wide;
     char **texts;
     bb_block *blocks;
     uint32_t text_count, block_count;
@@ -184,6 +185,16 @@ void bb_page_put_text(bb_page *page, const char *text)
 void bb_page_put_figure(bb_page *page, bb_estimate figure, char mark)
 {
     add_item(page, (bb_item){.figure = figure, .mark = mark});
+}
+
+void bb_page_widen(bb_page *page)
+{
+    page->wide = true;
+}
+
+bool bb_page_is_wide(const bb_page *page)
+{
+    return page->wide;
 }
 
 void bb_page_lose(bb_page *page)

@@ -81,10 +81,12 @@ void bb_page_column(bb_page *page, const char *heading, const char *unit, const 
 void bb_page_put_text(bb_page *page, const char *text);
 void bb_page_put_figure(bb_page *page, bb_estimate figure, char mark);
 
-void bb_page_lose(bb_page *page); /* memory ran out elsewhere: as if it had here */
+void bb_page_widen(bb_page *page); /* its grids may have 160 columns as text, in place of 100 */
+void bb_page_lose(bb_page *page);  /* memory ran out elsewhere: as if it had here */
 bb_status bb_page_status(const bb_page *page);
 
 const char *bb_page_title(const bb_page *page);
+bool bb_page_is_wide(const bb_page *page);
 uint32_t bb_page_block_count(const bb_page *page);
 const bb_block *bb_page_block(const bb_page *page, uint32_t index);
 

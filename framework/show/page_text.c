@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { COLUMNS_MAX = 100 };
+enum { COLUMNS_MAX = 100, WIDE_MAX = 160 };
 
 /* Letters of the first `length` bytes. */
 static int width_of(const char *text, size_t length)
@@ -166,36 +166,44 @@ static bool has_two_lines(const bb_block *block)
     return i < block->head_count;
 }
 
-/* All rows in the first part, in others those that have something there. */
+/* The first part has all rows, others those that have something there. */
+static bool has_row(const bb_block *block, part p, uint32_t first_item)
+{
+    uint32_t i = p.begin;
+    while (p.begin > p.names && i < p.end && is_empty(&block->items[first_item + i]))
+        i++;
+    return i < p.end;
+}
+
 static void print_part(const bb_block *block, const column *columns, part p, FILE *out)
 {
+    uint32_t first = 0;
+    while (first < block->item_count && !has_row(block, p, first))
+        first += block->head_count;
+    if (first >= block->item_count && p.begin > p.names)
+        return;
+    fputs(p.begin > p.names ? "\n" : "", out);
     if (has_two_lines(block))
         print_row(block, columns, p, NULL, false, out);
     print_row(block, columns, p, NULL, true, out);
     for (uint32_t k = 0; k < block->item_count; k += block->head_count) {
-        const bb_item *items = &block->items[k];
-        uint32_t i = p.begin;
-        while (p.begin > p.names && i < p.end && is_empty(&items[i]))
-            i++;
-        if (i < p.end)
-            print_row(block, columns, p, items, true, out);
+        if (has_row(block, p, k))
+            print_row(block, columns, p, &block->items[k], true, out);
     }
 }
 
 /* Blanks between columns: two, or one if that makes room for all of them. */
-static int gap_of(const column *columns, uint32_t count)
+static int gap_of(const column *columns, uint32_t count, int limit)
 {
     int width = 0;
     for (uint32_t i = 0; i < count; i++)
         width += columns[i].width;
-    return width + 2 * (int)(count - 1) > COLUMNS_MAX && width + (int)(count - 1) <= COLUMNS_MAX
-               ? 1
-               : 2;
+    return width + 2 * (int)(count - 1) > limit && width + (int)(count - 1) <= limit ? 1 : 2;
 }
 
 /* Texts on the left are the names of rows. A grid that is too wide goes on below, under the same
  * names, unless these leave no room. */
-static void print_grid(const bb_block *block, FILE *out)
+static void print_grid(const bb_block *block, int limit, FILE *out)
 {
     const uint32_t count = block->head_count;
     column columns[BB_HEADS_MAX];
@@ -205,17 +213,16 @@ static void print_grid(const bb_block *block, FILE *out)
         print_paragraph("", block->text, out);
     for (uint32_t i = 0; i < count; i++)
         columns[i] = measure_column(block, i);
-    p.gap = gap_of(columns, count);
+    p.gap = gap_of(columns, count, limit);
     for (; p.names + 1 < count && columns[p.names].left; p.names++)
         names += columns[p.names].width + p.gap;
     for (p.begin = p.names; p.begin < count; p.begin = p.end) {
         int width = names + columns[p.begin].width;
         for (p.end = p.begin + 1; p.end < count; p.end++) {
             width += p.gap + columns[p.end].width;
-            if (width > COLUMNS_MAX && names < COLUMNS_MAX)
+            if (width > limit && names < limit)
                 break;
         }
-        fputs(p.begin > p.names ? "\n" : "", out);
         print_part(block, columns, p, out);
     }
 }
@@ -232,7 +239,7 @@ void bb_page_print(const bb_page *page, FILE *out)
     for (uint32_t i = 0; i < bb_page_block_count(page); i++) {
         const bb_block *block = bb_page_block(page, i);
         if (block->kind == BB_BLOCK_GRID)
-            print_grid(block, out);
+            print_grid(block, bb_page_is_wide(page) ? WIDE_MAX : COLUMNS_MAX, out);
         else if (block->kind <= BB_BLOCK_VERDICT)
             print_paragraph(block->kind == BB_BLOCK_NOTE ? "- " : "", block->text, out);
         else

@@ -292,7 +292,7 @@ static double best_of(const shown *s, const column *column)
         count += !isnan(value);
         best = better == BB_BETTER_LESS ? fmin(best, value) : fmax(best, value);
     }
-    const bool alike = (s->view->rows & BB_SET(BB_FRAME)) == 0;
+    const bool alike = (s->view->rows & (BB_SET(BB_FRAME) | BB_SET(BB_MAKER))) == 0;
     return better != BB_BETTER_NEITHER && count > 1 && alike ? best : NAN;
 }
 

@@ -40,8 +40,8 @@ typedef struct bb_table_view {
 
 /* Appends the grid or plot to the page; nothing, if there are no rows. `within`: names that rows
  * must have. The best of a column are marked, if it says which are: the best value, and those whose
- * interval includes it; between frames there is no best. x of curves is the number with which the
- * rows' names begin, or else the first column. */
+ * interval includes it; between frames, or parts of one thing, there is no best. x of curves is the
+ * number with which the rows' names begin, or else the first column. */
 void bb_view_show(const bb_table_view *view, const bb_table *table, bb_cell within, bb_page *page);
 
 /* All values of one row, by their headings, as a paragraph. */

@@ -46,7 +46,7 @@ status=0
 "$program" compare --run "$folder/none" "$folder/planted" --rounds "$pairs" --quiet --out "$folder/planted-runs" -- "${arguments[@]}" |
     tee "$folder/planted.txt" || status=$?
 echo "as measured: $(ratio_of planted-runs) times as long"
-sed -n '/^ worse/,/^$/p' "$folder/planted.txt" >"$folder/worse.txt"
+sed -n '/^worse/,/^$/p' "$folder/planted.txt" >"$folder/worse.txt"
 right=$(grep -c 'kernel=stack\(/\|$\| \)' "$folder/worse.txt" || true)
 all=$(grep -c 'scene=' "$folder/worse.txt" || true)
 echo "worse: $all, of which $right are the slowed kernel's"
