@@ -16,7 +16,6 @@ BB_TEXT(test, "intersector_used", "intersection tests", "By name.");
 BB_EXACT(first, "first_frame", "first frame", "", "Whose trees are built, for all alike.", NEITHER,
          0);
 BB_EXACT(last, "last_frame", "last frame", "", "That was gone through.", NEITHER, 0);
-BB_EXACT(rounds, "rounds", "rounds", "", "That count.", NEITHER, 0);
 BB_EXACT(ignored, "ignored", "parts of the file that were ignored", "",
          "Points, lines, channels that move nothing known.", NEITHER, 0);
 BB_EXACT(resized, "frames_resized", "frames with more or fewer primitives than before", "",
@@ -49,10 +48,7 @@ BB_TEXT(way, "way", "tree", "kept, updated or rebuilt.");
 BB_EXACT(sah, "tree_sah", "SAH", "", "Surface area heuristic of the tree.", LESS, 2);
 BB_EXACT(over_best, "sah_over_best", "SAH / fresh", "",
          "Over the least of trees made for the same frame.", LESS, 3);
-BB_EXACT(nodes, "nodes", "nodes", "", "Of the tree.", LESS, 0);
 BB_EXACT(depth, "depth", "depth", "", "Of the tree.", LESS, 0);
-BB_EXACT(tree_bytes, "tree_bytes", "tree", "bytes", "Of the tree.", LESS, 0);
-BB_ROUNDS(phase, "phase_ms", "phase", "ms", "A phase of the update.", NEITHER, 3);
 BB_EXACT(events, "events", "events", "", "That the builder counted.", NEITHER, 0);
 BB_ROUNDS(layout, "layout_ms", "layout", "ms", "Making or following it.", LESS, 3);
 BB_EXACT(in_place, "in_place", "in place", "",
@@ -73,9 +69,6 @@ static const bb_column ways[] = {
     [BB_UPDATED] = BB_EXACT_COLUMN("frames_updated", "updated", "", "Frames.", NEITHER, 0),
     [BB_REBUILT] = BB_EXACT_COLUMN("frames_rebuilt", "rebuilt", "", "Frames.", NEITHER, 0),
 };
-BB_EXACT(bytes, "bytes", "most memory", "bytes", "Of trees, scratch and layouts.", LESS, 0);
-BB_TEXT(status, "status", "status", "Refused; failed: a fault; or nothing.");
-BB_TEXT(refused, "refused", "refused", "Why there are no figures from some frame on.");
 BB_EXACT(answers, "answers", "answers", "", "That were judged, in all frames.", NEITHER, 0);
 BB_EXACT(all_wrong, "wrong_answers", "wrong", "", "In all frames.", NEITHER, 0);
 BB_TIMED(speed, "mrays_per_s", "M/s", "",
@@ -206,7 +199,7 @@ static void fill_scene(const bb_animate_result *r, uint32_t row, bb_table *table
         bb_table_set_number(table, row, &ignored, r->ignored);
     bb_table_set_text(table, row, &view, r->view);
     bb_table_set_text(table, row, &test, r->intersector);
-    bb_table_set_number(table, row, &rounds, r->rounds);
+    bb_table_set_number(table, row, &bb_column_rounds, r->rounds);
     bb_table_set_number(table, row, &answers, (double)checked);
     bb_table_set_number(table, row, &all_wrong, (double)bb_animate_wrong(r));
     bb_table_set_text(table, row, &rebuilder, with != NULL ? with->builder : "");
@@ -271,12 +264,12 @@ static void fill_frame(const bb_animate_result *r, const bb_animate_method *meth
     bb_table_set_text(table, row, &way, bb_update_word(of->way));
     bb_table_set_number(table, row, &sah, of->sah);
     bb_table_set_number(table, row, &over_best, of->sah / r->states[f].fresh_best);
-    bb_table_set_number(table, row, &nodes, of->tree.node_count);
+    bb_table_set_number(table, row, &bb_column_nodes, of->tree.node_count);
     bb_table_set_number(table, row, &depth, of->tree.depth);
-    bb_table_set_number(table, row, &tree_bytes, (double)of->tree_bytes);
+    bb_table_set_number(table, row, &bb_column_tree_bytes, (double)of->tree_bytes);
     for (uint32_t p = 0; p < of->phase_count; p++)
-        put(table, row_of(r, table, frame, NULL, method->builder, of->phases[p], NULL), &phase, r,
-            of->phase_ms[p]);
+        put(table, row_of(r, table, frame, NULL, method->builder, of->phases[p], NULL),
+            &bb_column_phase, r, of->phase_ms[p]);
     for (uint32_t e = 0; e < of->event_count; e++)
         bb_table_set_number(table,
                             row_of(r, table, frame, NULL, method->builder, of->events[e], NULL),
@@ -334,12 +327,12 @@ static void fill_method(const bb_animate_result *r, const bb_animate_method *met
         fill_sums(r, method, row, &sums, table);
         fill_kernel_means(r, method, &sums, &of, table);
     }
-    bb_table_set_number(table, row, &bytes, (double)method->most_bytes);
+    bb_table_set_number(table, row, &bb_column_bytes, (double)method->most_bytes);
     bb_table_set_number(table, row, &answers, (double)sums.checked);
     bb_table_set_number(table, row, &all_wrong, (double)sums.wrong);
-    bb_table_set_text(table, row, &refused, method->refused);
+    bb_table_set_text(table, row, &bb_column_refused, method->refused);
     if (method->refused[0] != '\0')
-        bb_table_set_text(table, row, &status, method->failed ? "failed" : "refused");
+        bb_table_set_text(table, row, &bb_column_status, method->failed ? "failed" : "refused");
 }
 
 /* ---- who is fastest ---- */

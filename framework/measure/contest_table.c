@@ -5,6 +5,19 @@
 
 #include <string.h>
 
+const bb_column bb_column_status =
+    BB_TEXT_COLUMN("status", "status", "Refused; failed: a fault; or nothing.");
+const bb_column bb_column_refused =
+    BB_TEXT_COLUMN("refused", "refused", "Why there are no figures, or none from some frame on.");
+const bb_column bb_column_rounds =
+    BB_EXACT_COLUMN("rounds", "rounds", "", "That count.", NEITHER, 0);
+const bb_column bb_column_nodes = BB_EXACT_COLUMN("nodes", "nodes", "", "Of the tree.", LESS, 0);
+const bb_column bb_column_tree_bytes =
+    BB_EXACT_COLUMN("tree_bytes", "tree", "bytes", "Of the tree.", LESS, 0);
+const bb_column bb_column_bytes = BB_EXACT_COLUMN(
+    "bytes", "most memory", "bytes", "Of trees and scratch at most, and of layouts.", LESS, 0);
+const bb_column bb_column_phase = BB_ROUNDS_COLUMN(
+    "phase_ms", "phase", "ms", "A phase of the build or update, timed apart.", NEITHER, 3);
 const bb_column bb_column_tetrahedra =
     BB_EXACT_COLUMN("tetrahedra", "tetrahedra", "", "Of the mesh.", NEITHER, 0);
 const bb_column bb_column_boundary =
@@ -14,14 +27,11 @@ const bb_column bb_column_field = BB_TEXT_COLUMN("field", "field", "Whose values
 const bb_column bb_column_picture =
     BB_TEXT_COLUMN("picture", "picture", "PNG file beside this one.");
 
-BB_TEXT(refused, "refused", "refused", "Why the way has no figures.");
-BB_TEXT(status, "status", "status", "Refused, or nothing.");
 BB_ROUNDS(build, "build_ms", "build", "ms", "Building the tree.", LESS, 2);
 BB_ROUNDS(layout, "layout_ms", "layout", "ms",
           "Layout, and transfer of a tree that was made on the host.", LESS, 2);
 BB_ROUNDS(answer, "answer_ms", "answer", "ms", "An answer, such as a slice or a picture.", LESS, 2);
 BB_ROUNDS(answer_cpu, "answer_cpu_ms", "answer CPU", "ms", "Processor time of an answer.", LESS, 2);
-BB_ROUNDS(phase, "phase_ms", "phase", "ms", "A phase of the build, timed apart.", NEITHER, 3);
 BB_TIMED(speed, "mitems_per_s", "M/s", "",
          "Millions of items, such as voxels, answered per second.", MORE, 3);
 BB_EXACT(visits, "nodes_per_item", "nodes", "", "Nodes visited per item.", LESS, 1);
@@ -35,17 +45,11 @@ BB_EXACT(difference, "largest_difference", "largest difference", "",
          "Of a channel, from the first way.", NEITHER, -1);
 BB_EXACT(difference_8, "largest_difference_8_bits", "in 8 bits", "",
          "The largest difference, in steps of 1/255.", NEITHER, 0);
-BB_EXACT(nodes, "nodes", "nodes", "", "Of the tree.", LESS, 0);
 BB_EXACT(leaves, "leaves", "leaves", "", "Of the tree.", NEITHER, 0);
 BB_EXACT(references, "references", "references", "", "Of the tree's leaves to primitives.", LESS,
          0);
 BB_EXACT(per_primitive, "references_per_primitive", "references per primitive", "", "Of the tree.",
          LESS, 2);
-BB_EXACT(tree_bytes, "tree_bytes", "tree", "bytes", "Of the tree.", LESS, 0);
-BB_EXACT(bytes, "bytes", "most memory", "bytes", "Of tree and scratch at most, and of the layout.",
-         LESS, 0);
-
-BB_EXACT(rounds, "rounds", "rounds", "", "That count.", NEITHER, 0);
 
 static const bb_axes axes = {BB_DRAW_BARS, "ms", "", false, false};
 static const bb_axes by_step = {BB_DRAW_LINES, "step", "error of a channel", true, true};
@@ -137,15 +141,15 @@ static void fill_tree(bb_table *table, const char *scene, const bb_contest_way *
                       double primitives)
 {
     const uint32_t row = row_of(table, scene, way, NULL, NULL);
-    bb_table_set_number(table, row, &tree_bytes, (double)way->tree_bytes);
-    bb_table_set_number(table, row, &nodes, way->nodes);
+    bb_table_set_number(table, row, &bb_column_tree_bytes, (double)way->tree_bytes);
+    bb_table_set_number(table, row, &bb_column_nodes, way->nodes);
     bb_table_set_number(table, row, &leaves, way->leaves);
     bb_table_set_number(table, row, &references, way->references);
     if (primitives > 0)
         bb_table_set_number(table, row, &per_primitive, way->references / primitives);
     for (uint32_t p = 0; p < way->phase_count; p++)
-        bb_table_set_rounds(table, row_of(table, scene, way, way->phases[p].name, NULL), &phase,
-                            &way->phases[p].ms);
+        bb_table_set_rounds(table, row_of(table, scene, way, way->phases[p].name, NULL),
+                            &bb_column_phase, &way->phases[p].ms);
 }
 
 static void fill_way(bb_table *table, uint32_t row, const bb_contest_way *way, double items)
@@ -160,7 +164,7 @@ static void fill_way(bb_table *table, uint32_t row, const bb_contest_way *way, d
     bb_table_set_number(table, row, &work, way->work);
     bb_table_set_number(table, row, &differ, (double)way->differ);
     if (way->nodes > 0)
-        bb_table_set_number(table, row, &bytes, (double)way->bytes);
+        bb_table_set_number(table, row, &bb_column_bytes, (double)way->bytes);
     if (!way->light)
         return;
     bb_table_set_number(table, row, &samples_rate,
@@ -179,12 +183,12 @@ void bb_contest_fill(bb_table *table, const char *scene, const bb_contest_way *w
         const char *search = way->builder[0] == '\0' ? "no tree" : way->search;
         const uint32_t row = row_of(table, scene, way, NULL, search);
         if (way->refused[0] != '\0') {
-            bb_table_set_text(table, row, &status, "refused");
-            bb_table_set_text(table, row, &refused, way->refused);
+            bb_table_set_text(table, row, &bb_column_status, "refused");
+            bb_table_set_text(table, row, &bb_column_refused, way->refused);
             continue;
         }
         fill_way(table, row, way, items);
-        bb_table_set_number(table, bb_contest_scene_row(table, scene, NULL), &rounds,
+        bb_table_set_number(table, bb_contest_scene_row(table, scene, NULL), &bb_column_rounds,
                             way->answer.count > 1 ? way->answer.count - 1 : 1);
         if (way->nodes > 0)
             fill_tree(table, scene, way, primitives);

@@ -45,6 +45,9 @@ extern const bb_table_view bb_contest_views[BB_CONTEST_VIEWS];
     .well = "All answers are the same to the last bit.",                                           \
     .ill = "answers differ from those of the first way."
 
+/* Of what is measured, `animate` included. */
+extern const bb_column bb_column_status, bb_column_refused, bb_column_rounds, bb_column_nodes,
+    bb_column_tree_bytes, bb_column_bytes, bb_column_phase;
 /* Meshes of tetrahedra; picture: the path of a PNG file from the table's folder. */
 extern const bb_column bb_column_tetrahedra, bb_column_boundary, bb_column_field, bb_column_picture;
 
