@@ -394,7 +394,8 @@ static void planted_changes_are_found(void **state)
         print_message("%s: 5 %% in %u cells: found in %u of %d, %.1f cells each, %u others\n",
                       cases[k].name, cases[k].slow_cells, found_any, TRIALS, (double)right / TRIALS,
                       wrong);
-        assert_true(found_any >= TRIALS - 1 && wrong <= 1);
+        /* at BB_COMPARE_LEVEL, 4 or more false ones in 20 are 4 in 100,000 */
+        assert_true(found_any >= TRIALS - 1 && wrong <= 3);
     }
     /* of two runs by themselves, exact figures just as well */
     bb_floor floor = made_up_floor(&random);

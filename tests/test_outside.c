@@ -388,7 +388,7 @@ static void rays_made_by_hand_are_judged_as_given(void **state)
            "judge --scene sphere-mesh:n=8 --rays-file a.rays --hits a.hits --out made --history "
            "made.db",
            "right");
-    expect(0, "report --history made.db --out made.html", "1 run");
+    expect(0, "report --history made.db --out made.html", "Z     1 ");
     expect(0, "compare made made", "nothing is worse");
     json = read_results("made/results.json");
     trace_record = cJSON_GetArrayItem(cJSON_GetObjectItem(json, "traces"), 0);
