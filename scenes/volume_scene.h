@@ -3,7 +3,7 @@
 #define BB_VOLUME_SCENE_H
 
 #include "framework/scene/scene.h"
-#include "framework/volume/volume.h"
+#include "framework/scene/volume.h"
 
 /* Options for their tables. */
 #define BB_VOLUME_OPTIONS                                                                          \

@@ -2,7 +2,7 @@
 #ifndef BB_VOXEL_FILE_H
 #define BB_VOXEL_FILE_H
 
-#include "framework/volume/volume.h"
+#include "framework/scene/volume.h"
 
 #include <stdbool.h>
 

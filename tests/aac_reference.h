@@ -3,7 +3,7 @@
 #ifndef BB_TEST_AAC_REFERENCE_H
 #define BB_TEST_AAC_REFERENCE_H
 
-#include "framework/tree/tree.h"
+#include "framework/builder/tree.h"
 
 #include <assert.h>
 #include <math.h>

@@ -2,7 +2,7 @@
 #ifndef BB_TESTS_ANIMATE_FIGURES_H
 #define BB_TESTS_ANIMATE_FIGURES_H
 
-#include "framework/animate/animate.h"
+#include "framework/tasks/animate.h"
 #include "tests/device_forms.h"
 
 enum { FRAMES = 4, RAYS = 1000 };

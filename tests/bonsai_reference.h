@@ -4,7 +4,7 @@
 #ifndef BB_TEST_BONSAI_REFERENCE_H
 #define BB_TEST_BONSAI_REFERENCE_H
 
-#include "framework/tree/tree.h"
+#include "framework/builder/tree.h"
 
 #include <float.h>
 #include <math.h>

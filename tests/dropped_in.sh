@@ -15,7 +15,7 @@ fi
 scripts/new-builder my-tree >/dev/null
 cp -r tests/plugin/strips builders/strips
 rm builders/strips/CMakeLists.txt
-cp tests/metric/dropped_in.c framework/tree/metric_dropped_in.c
+cp tests/metric/dropped_in.c framework/builder/metric_dropped_in.c
 generator=$(grep '^CMAKE_GENERATOR:' "$build/CMakeCache.txt" | cut -d= -f2)
 mkdir -p "$folder"
 mv "$work/tree" "$folder/tree"

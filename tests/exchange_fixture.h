@@ -4,8 +4,8 @@
 #define BB_TEST_EXCHANGE_FIXTURE_H
 
 #include "framework/base/file.h"
-#include "framework/exchange/exchange_file.h"
 #include "framework/judge/oracle.h"
+#include "framework/workload/exchange_file.h"
 #include "framework/workload/workload.h"
 #include "tests/fixture.h"
 #include "tests/hand_scene.h"

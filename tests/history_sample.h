@@ -6,7 +6,7 @@
 #include "tests/record_fixture.h"
 
 #include "framework/base/random.h"
-#include "framework/history/history.h"
+#include "framework/compare/history.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -5,8 +5,8 @@
 #define BB_TEST_LATTICE_MESH_H
 
 #include "framework/base/random.h"
+#include "framework/bench/tet_search.h"
 #include "framework/builder/instance.h"
-#include "framework/locate/tet_search.h"
 #include "tests/device_fixture.h"
 
 #include <math.h>

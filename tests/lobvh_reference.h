@@ -4,7 +4,7 @@
 #define BB_TEST_LOBVH_REFERENCE_H
 
 #include "builders/common/view_order.h"
-#include "framework/tree/tree.h"
+#include "framework/builder/tree.h"
 
 #include <float.h>
 #include <math.h>

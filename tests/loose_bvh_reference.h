@@ -4,7 +4,7 @@
 #ifndef BB_TEST_LOOSE_BVH_REFERENCE_H
 #define BB_TEST_LOOSE_BVH_REFERENCE_H
 
-#include "framework/tree/tree.h"
+#include "framework/builder/tree.h"
 
 #include <math.h>
 #include <stdlib.h>

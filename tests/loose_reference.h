@@ -4,7 +4,7 @@
 #ifndef LOOSE_REFERENCE_H
 #define LOOSE_REFERENCE_H
 
-#include "framework/tree/tree.h"
+#include "framework/builder/tree.h"
 
 #include <math.h>
 #include <stdlib.h>

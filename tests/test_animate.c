@@ -1,7 +1,7 @@
 /* Moving scenes frame by frame: every method right in every frame, what it says of itself, layouts
  * that follow in place, triggers; and the rotations of a refit against a plain reference. */
-#include "framework/animate/animate.h"
 #include "framework/builder/registry.h"
+#include "framework/tasks/animate.h"
 #include "tests/device_forms.h"
 #include "tests/program_fixture.h"
 #include "tests/tree_fixture.h"

@@ -2,8 +2,8 @@
  * what was right in the first round stays so, that each set of rays was judged, that figures are of
  * the frame and the clock that they say. Bugs are planted in device code, and a builder changes its
  * ways (plugin/fickle). */
-#include "framework/animate/animate.h"
 #include "framework/builder/registry.h"
+#include "framework/tasks/animate.h"
 #include "tests/device_fixture.h"
 #include "tests/table_fixture.h"
 

@@ -5,7 +5,7 @@
 #include "framework/base/random.h"
 #include "framework/bench/audit_results.h"
 #include "framework/builder/registry.h"
-#include "framework/embree/embree.h"
+#include "framework/judge/embree.h"
 #include "framework/judge/queries.h"
 #include "framework/record/record_private.h"
 #include "tests/device_fixture.h"

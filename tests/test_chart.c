@@ -2,7 +2,7 @@
  * several views, and the pictures.
  */
 #include "framework/base/file.h"
-#include "framework/chart/chart_script.h"
+#include "framework/report/chart_script.h"
 #include "framework/report/report.h"
 #include "tests/record_fixture.h"
 

@@ -1,7 +1,7 @@
 /* Tables of results compared and kept in the history, whatever command made them. */
 #include "framework/compare/cell_set.h"
+#include "framework/compare/history.h"
 #include "framework/device/run_row.h"
-#include "framework/history/history.h"
 #include "tests/program_fixture.h"
 
 #include <math.h>

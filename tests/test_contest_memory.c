@@ -1,6 +1,6 @@
 /* Contests on a device that is too small for all trees and layouts at once: as long as each way
  * fits alone, all are measured, since trees and layouts make room for each other. */
-#include "framework/slice/slice_contest.h"
+#include "framework/tasks/slice_contest.h"
 #include "tests/device_fixture.h"
 
 #include <string.h>

@@ -1,7 +1,7 @@
-/* Embree as tracer (framework/embree/embree.c) and as builder (builders/embree). A few seconds. */
+/* Embree as tracer (framework/judge/embree.c) and as builder (builders/embree). A few seconds. */
 #include "framework/base/clock.h"
 #include "framework/builder/registry.h"
-#include "framework/embree/embree.h"
+#include "framework/judge/embree.h"
 #include "framework/judge/oracle.h"
 #include "framework/judge/queries.h"
 #include "hand_scene.h"

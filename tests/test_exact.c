@@ -1,7 +1,7 @@
 /* Exact predicates against MPFR with enough bits that nothing is rounded: random and adversarial
  * lines, triangles and spheres. A few seconds. */
 #include "framework/base/random.h"
-#include "framework/exact/exact.h"
+#include "framework/scene/exact.h"
 #include "tests/fixture.h"
 
 #include <math.h>

@@ -1,8 +1,8 @@
 /* The fit of costs of trees to the time of rays, on cells whose mix is planted; and what a document
  * makes of it: which cells enter, how they are grouped, what is written and read back. */
 #include "framework/base/random.h"
-#include "framework/summary/prediction.h"
-#include "framework/summary/summary.h"
+#include "framework/compare/prediction.h"
+#include "framework/compare/summary.h"
 #include "tests/document_fixture.h"
 
 #include <math.h>

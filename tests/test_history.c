@@ -1,8 +1,8 @@
 /* The history: what is appended comes back, after whatever death. */
 #include "tests/history_sample.h"
 
-#include "framework/history/schema.h"
-#include "framework/history/trend.h"
+#include "framework/compare/schema.h"
+#include "framework/compare/trend.h"
 #include "framework/report/report_history.h"
 
 #include <signal.h>

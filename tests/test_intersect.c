@@ -2,7 +2,7 @@
  * all named intersectors, one and four lanes, random and adversarial floats. Seed:
  * BVHBENCH_TEST_SEED. */
 #include "framework/base/random.h"
-#include "framework/exact/exact.h"
+#include "framework/scene/exact.h"
 #include "tests/device_fixture.h"
 #include "traversal/traversal.h"
 

@@ -1,5 +1,5 @@
 /* How many rays a launch gets, and when a device has warmed up, on made-up devices. */
-#include "framework/measure/launches.h"
+#include "framework/bench/launches.h"
 #include "tests/fixture.h"
 
 #include <math.h>

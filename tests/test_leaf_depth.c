@@ -1,5 +1,5 @@
 /* The mean depth of leaves against cases solved by hand; the derivations are beside them. */
-#include "framework/tree/metric.h"
+#include "framework/builder/metric.h"
 #include "tests/tree_fixture.h"
 
 static bb_status measure(const bb_tree *tree, bb_metric_value *out)

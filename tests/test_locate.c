@@ -4,8 +4,8 @@
  * with BVHBENCH_TEST_LONG it is more than 10^6 points. Seed:
  * BVHBENCH_TEST_SEED. */
 #include "framework/base/random.h"
+#include "framework/bench/tet_search.h"
 #include "framework/builder/instance.h"
-#include "framework/locate/tet_search.h"
 #include "tests/device_forms.h"
 #include "tests/locate_all.h"
 

@@ -3,8 +3,8 @@
  * Seed: BVHBENCH_TEST_SEED. */
 #include "framework/base/random.h"
 #include "framework/builder/registry.h"
-#include "framework/march/march.h"
 #include "framework/scene/camera.h"
+#include "framework/tasks/march.h"
 #include "tests/scene_files.h"
 #include "tests/trace_fixture.h"
 

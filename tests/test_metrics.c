@@ -1,6 +1,6 @@
 /* SAH and EPO against cases solved by hand; the derivations are beside them. Ct = 1.2, Ci = 1. */
+#include "framework/builder/metric.h"
 #include "framework/scene/prim.h"
-#include "framework/tree/metric.h"
 #include "tests/tree_fixture.h"
 
 static const uint64_t SEED = 7;

@@ -1,10 +1,10 @@
 /* Oracle and arbiter: answers made by hand must be classed as what they are; the cheap rule must
  * give the classes of full arbitration; the arbiter must agree with its definition spelled out over
  * all primitives. A few seconds. */
-#include "framework/exact/exact.h"
 #include "framework/judge/arbiter.h"
 #include "framework/judge/judge.h"
 #include "framework/judge/queries.h"
+#include "framework/scene/exact.h"
 #include "hand_scene.h"
 #include "tests/fixture.h"
 

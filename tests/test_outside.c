@@ -1,6 +1,6 @@
 /* Rays out, hits in, from outside: `bvhbench rays`, the example of an outside tracer, `bvhbench
  * judge`. */
-#include "framework/exchange/exchange.h"
+#include "framework/workload/exchange.h"
 #include "tests/program_fixture.h"
 
 #include <cjson/cJSON.h>

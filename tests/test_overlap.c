@@ -2,8 +2,8 @@
  * pairs, where they overlap, touch by a face, an edge or a corner, and just do not; then by trees
  * against no tree, on what is awkward. BVHBENCH_TEST_SMALL keeps the inputs small (for oclgrind).
  * Seed: BVHBENCH_TEST_SEED. */
-#include "framework/overlap/overlap.h"
 #include "framework/scene/tets_gather.h"
+#include "framework/tasks/overlap.h"
 #include "tests/lattice_mesh.h"
 
 static bool small, floats; /* floats: as on a device that has no doubles */

@@ -4,8 +4,8 @@
  */
 #include "framework/base/file.h"
 #include "framework/base/steering.h"
-#include "framework/show/outline.h"
 #include "framework/table/figure.h"
+#include "framework/table/outline.h"
 #include "tests/program_fixture.h"
 
 #include <limits.h>

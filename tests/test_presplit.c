@@ -4,7 +4,7 @@
  * keeps the inputs small (for oclgrind). */
 #include "framework/builder/instance.h"
 #include "framework/builder/registry.h"
-#include "framework/tree/tree_cover.h"
+#include "framework/builder/tree_cover.h"
 #include "tests/box_inputs.h"
 #include "tests/device_forms.h"
 #include "tests/presplit_reference.h"

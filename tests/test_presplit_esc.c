@@ -1,7 +1,7 @@
 /* Early split clipping (presplit:saves=, presplit_esc.c) against a search through all boxes; clips
  * of primitives, whose parts cover. */
 #include "builders/presplit/clip.h"
-#include "framework/tree/tree_cover.h"
+#include "framework/builder/tree_cover.h"
 #include "tests/pipeline_fixture.h"
 
 static void splits_are_covered_and_within_the_budget(void **state)

@@ -3,7 +3,7 @@
 #include "tests/record_fixture.h"
 
 #include "framework/base/file.h"
-#include "framework/chart/chart_script.h"
+#include "framework/report/chart_script.h"
 #include "framework/report/report.h"
 
 /* ---- broken files ---- */

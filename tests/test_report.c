@@ -1,9 +1,9 @@
 /* The report: the table on the terminal and the HTML page. `test_report --write FOLDER` only writes
  * a sample there, for a look or for tests/report/check.sh. */
 #include "framework/base/file.h"
+#include "framework/compare/prediction.h"
 #include "framework/report/report.h"
-#include "framework/show/page.h"
-#include "framework/summary/prediction.h"
+#include "framework/table/page.h"
 #include "framework/workload/workload.h"
 #include "tests/fixture.h"
 #include "tests/record_fixture.h"

@@ -1,6 +1,6 @@
 /* `reproduce olbvh` and `reproduce volume` on made-up contests: which claims hold. That they run:
  * test_reproduce.c. */
-#include "framework/measure/contest_table.h"
+#include "framework/bench/contest_table.h"
 #include "tests/paper_fixture.h"
 
 /* Of a way, ms; and of its tree. */

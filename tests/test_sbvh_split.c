@@ -1,7 +1,7 @@
 /* What sbvh splits: cuts that lose nothing; both searches and the partition against plain readings
  * of the paper for few references. Trees: test_sbvh.c. Seed: BVHBENCH_TEST_SEED. */
 #include "builders/sbvh/sbvh_split.h"
-#include "framework/tree/tree_cover.h"
+#include "framework/builder/tree_cover.h"
 #include "tests/tree_fixture.h"
 
 #include <math.h>

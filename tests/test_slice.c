@@ -2,7 +2,7 @@
  * arithmetic on meshes of integers, where voxels touch tetrahedra by faces, edges and corners; then
  * trees against no tree, bit for bit, on what is awkward; values against doubles; plans that cannot
  * be. BVHBENCH_TEST_SMALL keeps the inputs small (for oclgrind). Seed: BVHBENCH_TEST_SEED. */
-#include "framework/slice/slice.h"
+#include "framework/tasks/slice.h"
 #include "tests/lattice_mesh.h"
 #include "tests/locate_all.h"
 

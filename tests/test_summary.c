@@ -1,6 +1,6 @@
 /* What is said of a result document: means, order, ties, best, sentences. Documents are made here,
  * with times that are known. */
-#include "framework/summary/summary.h"
+#include "framework/compare/summary.h"
 #include "tests/document_fixture.h"
 
 #include <math.h>

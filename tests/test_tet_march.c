@@ -4,8 +4,8 @@
  * BVHBENCH_TEST_SEED. */
 #include "framework/base/random.h"
 #include "framework/builder/instance.h"
-#include "framework/march/tet_march.h"
 #include "framework/scene/camera.h"
+#include "framework/tasks/tet_march.h"
 #include "tests/device_fixture.h"
 #include "tests/locate_all.h"
 

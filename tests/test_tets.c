@@ -3,7 +3,7 @@
  * ../shared is there. Seed: BVHBENCH_TEST_SEED. A few seconds. */
 #include "framework/base/beside.h"
 #include "framework/base/random.h"
-#include "framework/exact/exact.h"
+#include "framework/scene/exact.h"
 #include "framework/scene/prim.h"
 #include "framework/scene/tets.h"
 #include "tests/scene_files.h"

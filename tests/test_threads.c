@@ -1,10 +1,10 @@
 /* The pool of host threads: each index once, the results there when it returns, jobs back to back.
  * What a data race would spoil is written without atomics, for ThreadSanitizer to see (preset
  * tsan). Seed: BVHBENCH_TEST_SEED. */
-#include "framework/base/bystanders.h"
 #include "framework/base/clock.h"
 #include "framework/base/random.h"
 #include "framework/base/threads.h"
+#include "framework/bench/bystanders.h"
 #include "tests/fixture.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 /* The checker of the common tree must find every kind of corruption by itself, call it by its name,
  * and never crash. Built with sanitizers, this test says that nothing is read out of bounds. */
-#include "framework/tree/metric.h"
-#include "framework/tree/tree_cover.h"
+#include "framework/builder/metric.h"
+#include "framework/builder/tree_cover.h"
 #include "tests/tree_fixture.h"
 
 static const uint64_t SEED = 20240608;

@@ -1,8 +1,8 @@
 /* Turns: each round all take theirs once, in an order that favours nobody; failures end a round;
  * GPUs are warmed up until two rounds took the same time. */
 #include "framework/base/interrupt.h"
-#include "framework/measure/launches.h"
-#include "framework/measure/turns.h"
+#include "framework/bench/launches.h"
+#include "framework/bench/turns.h"
 #include "tests/fixture.h"
 
 #include <math.h>

@@ -3,7 +3,7 @@
 #include "framework/base/memory.h"
 #include "framework/base/random.h"
 #include "framework/builder/instance.h"
-#include "framework/volume/volume.h"
+#include "framework/scene/volume.h"
 #include "tests/device_forms.h"
 #include "tests/scene_files.h"
 

@@ -3,7 +3,7 @@
 #define BB_TREE_FIXTURE_H
 
 #include "framework/base/random.h"
-#include "framework/tree/tree.h"
+#include "framework/builder/tree.h"
 #include "tests/fixture.h"
 
 #include <math.h>

@@ -4,7 +4,7 @@
 #ifndef BB_TEST_TREELET_REFERENCE_H
 #define BB_TEST_TREELET_REFERENCE_H
 
-#include "framework/tree/tree.h"
+#include "framework/builder/tree.h"
 #include "tests/box_fixture.h"
 #include "tests/device_forms.h"
 

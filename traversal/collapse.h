@@ -3,7 +3,7 @@
 #ifndef BB_COLLAPSE_H
 #define BB_COLLAPSE_H
 
-#include "framework/tree/tree.h"
+#include "framework/builder/tree.h"
 
 typedef struct bb_collapse bb_collapse;
 

@@ -3,8 +3,8 @@
 #ifndef BB_REACH_H
 #define BB_REACH_H
 
+#include "framework/builder/tree.h"
 #include "framework/scene/scene.h"
-#include "framework/tree/tree.h"
 
 typedef struct bb_reach bb_reach;
 

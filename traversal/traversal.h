@@ -7,11 +7,11 @@
 #include "framework/base/decision.h"
 #include "framework/base/options.h"
 #include "framework/base/variants.h"
+#include "framework/builder/tree.h"
 #include "framework/device/device.h"
 #include "framework/device/stopwatch.h"
-#include "framework/rays/rays.h"
+#include "framework/judge/rays.h"
 #include "framework/scene/scene.h"
-#include "framework/tree/tree.h"
 
 enum {
     BB_LAYOUT_BUFFERS_MAX = 4,

@@ -6,8 +6,8 @@
 #ifndef BB_LINKS_H
 #define BB_LINKS_H
 
+#include "framework/builder/tree.h"
 #include "framework/device/device.h"
-#include "framework/tree/tree.h"
 
 #pragma GCC visibility push(default) /* what a plug-in may call */
 

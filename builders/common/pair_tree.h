@@ -11,8 +11,8 @@
 #define BB_PAIR_TREE_H
 
 #include "builders/common/pair_shared.h"
+#include "framework/builder/tree.h"
 #include "framework/device/device.h"
-#include "framework/tree/tree.h"
 
 #pragma GCC visibility push(default) /* what a plug-in may call */
 #ifdef __cplusplus

@@ -11,8 +11,8 @@
 #ifndef BB_RADIX_TREE_H
 #define BB_RADIX_TREE_H
 
+#include "framework/builder/tree.h"
 #include "framework/device/device.h"
-#include "framework/tree/tree.h"
 
 #pragma GCC visibility push(default) /* what a plug-in may call */
 #ifdef __cplusplus

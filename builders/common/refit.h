@@ -16,8 +16,8 @@
 #define BB_REFIT_H
 
 #include "framework/builder/builder.h"
+#include "framework/builder/tree.h"
 #include "framework/device/device.h"
-#include "framework/tree/tree.h"
 
 #pragma GCC visibility push(default) /* what a plug-in may call */
 

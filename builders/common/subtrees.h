@@ -10,8 +10,8 @@
 #define BB_SUBTREES_H
 
 #include "builders/common/compact.h"
+#include "framework/builder/tree.h"
 #include "framework/device/device.h"
-#include "framework/tree/tree.h"
 
 #pragma GCC visibility push(default) /* what a plug-in may call */
 #ifdef __cplusplus

@@ -15,7 +15,7 @@
 #include "builders/common/links.h"
 #include "framework/builder/builder.h"
 
-#include "framework/embree/embree_api.h"
+#include "framework/judge/embree_api.h"
 #include <math.h>
 #include <stdatomic.h>
 #include <stdio.h>

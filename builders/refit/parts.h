@@ -15,8 +15,8 @@
 #define BB_PARTS_H
 
 #include "builders/common/compact.h"
+#include "framework/builder/tree.h"
 #include "framework/device/device.h"
-#include "framework/tree/tree.h"
 #include "parts_shared.h"
 
 typedef struct bb_parts {

@@ -5,8 +5,8 @@
 #define BB_FAMILIES_H
 
 #include "builders/common/links.h"
+#include "framework/builder/tree.h"
 #include "framework/device/primitives.h"
-#include "framework/tree/tree.h"
 #include "reinsert_shared.h"
 
 typedef struct bb_family_tree {

@@ -2,7 +2,7 @@
 #ifndef BB_SAH_SPLIT_H
 #define BB_SAH_SPLIT_H
 
-#include "framework/tree/tree.h"
+#include "framework/builder/tree.h"
 
 /* Primitives in the order of the future leaves, and scratch. Both ways keep every range in
  * ascending order of (their key, index) and partition it stably, so that the tree depends on

@@ -3,8 +3,8 @@
 #ifndef BB_SBVH_SPLIT_H
 #define BB_SBVH_SPLIT_H
 
+#include "framework/builder/tree.h"
 #include "framework/scene/scene.h"
-#include "framework/tree/tree.h"
 
 enum { SB_BINS_MAX = 256 };
 

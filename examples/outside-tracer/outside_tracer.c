@@ -4,14 +4,14 @@
  *     outside_tracer RAYS HITS [careless]
  *
  * reads the rays file that `bvhbench rays` wrote, writes a hits file for `bvhbench judge`, and
- * prints its speed. It needs the C library and framework/exchange/exchange.h, which defines the
+ * prints its speed. It needs the C library and framework/workload/exchange.h, which defines the
  * format of both files. A real tracer would build its tree over the primitives before it begins to
  * trace.
  *
  * With `careless` it makes a mistake of many tutorials: the same test in single precision, with an
  * absolute epsilon on the determinant. The judge finds out.
  */
-#include "framework/exchange/exchange.h"
+#include "framework/workload/exchange.h"
 
 #include <math.h>
 #include <stdbool.h>

@@ -16,7 +16,7 @@
 
 #include "framework/advise/contenders.h"
 #include "framework/bench/bench.h"
-#include "framework/show/outline.h"
+#include "framework/table/outline.h"
 
 typedef struct bb_advise_request {
     bb_device *device;

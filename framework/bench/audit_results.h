@@ -3,7 +3,7 @@
 #ifndef BB_AUDIT_RESULTS_H
 #define BB_AUDIT_RESULTS_H
 
-#include "framework/measure/audit.h"
+#include "framework/bench/audit.h"
 #include "framework/record/record.h"
 
 /* Checks the rates of all cells in the results, and the times of its builds. */

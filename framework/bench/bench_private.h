@@ -6,14 +6,14 @@
 #include "framework/base/interrupt.h"
 #include "framework/base/progress.h"
 #include "framework/bench/bench.h"
+#include "framework/bench/count.h"
+#include "framework/bench/launches.h"
+#include "framework/bench/resident.h"
+#include "framework/bench/turns.h"
 #include "framework/builder/instance.h"
-#include "framework/embree/embree.h"
+#include "framework/judge/embree.h"
 #include "framework/judge/judge.h"
-#include "framework/measure/count.h"
-#include "framework/measure/launches.h"
-#include "framework/measure/resident.h"
-#include "framework/measure/turns.h"
-#include "framework/rays/rays.h"
+#include "framework/judge/rays.h"
 #include "framework/workload/workload.h"
 #include "traversal/traversal.h"
 
@@ -149,7 +149,7 @@ bool bb_bench_owns_builds(const bb_bench *bench);
 /* Measures all cells of one ray set, interleaved, and adds their records. */
 bb_status bb_bench_traces(bb_bench *bench, bb_rays *rays);
 
-/* ---- what is on the device (framework/measure/resident.h), with its steps booked ---- */
+/* ---- what is on the device (framework/bench/resident.h), with its steps booked ---- */
 
 bb_status bb_bench_tree(bb_bench *bench, bb_entrant *entrant);
 bb_status bb_bench_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layout);

@@ -1,6 +1,6 @@
 #include "framework/bench/cost.h"
 
-#include "framework/measure/count.h"
+#include "framework/bench/count.h"
 
 enum { SAMPLE = 256 };
 

@@ -3,7 +3,7 @@
 #ifndef BB_COST_H
 #define BB_COST_H
 
-#include "framework/rays/rays.h"
+#include "framework/judge/rays.h"
 #include "traversal/traversal.h"
 
 /* Counts tests of boxes and primitives per ray of each set, with 256 evenly spaced rays. The first

@@ -17,11 +17,11 @@
 #include "framework/base/decision.h"
 #include "framework/base/options.h"
 #include "framework/base/variants.h"
+#include "framework/builder/references.h"
+#include "framework/builder/tree.h"
 #include "framework/device/device.h"
 #include "framework/device/primitives.h"
 #include "framework/scene/scene.h"
-#include "framework/tree/references.h"
-#include "framework/tree/tree.h"
 
 #pragma GCC visibility push(default) /* what a plug-in may call */
 #ifdef __cplusplus

@@ -1,5 +1,4 @@
 /* bvhbench animate: methods that keep trees of moving scenes up to date. */
-#include "framework/animate/animate.h"
 #include "framework/base/interrupt.h"
 #include "framework/base/number.h"
 #include "framework/builder/registry.h"
@@ -8,6 +7,7 @@
 #include "framework/cli/output.h"
 #include "framework/device/device_private.h"
 #include "framework/picture/image.h"
+#include "framework/tasks/animate.h"
 
 #include <stdio.h>
 #include <string.h>

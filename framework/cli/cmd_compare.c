@@ -6,7 +6,7 @@
 #include "framework/cli/out_option.h"
 #include "framework/compare/compare.h"
 #include "framework/compare/family.h"
-#include "framework/history/history.h"
+#include "framework/compare/history.h"
 #include "framework/report/report_compare.h"
 
 #include <math.h>

@@ -8,11 +8,11 @@
 #include "framework/cli/inputs.h"
 #include "framework/cli/out_option.h"
 #include "framework/cli/output.h"
-#include "framework/exchange/exchange_file.h"
 #include "framework/judge/judge.h"
 #include "framework/record/record.h"
 #include "framework/report/report.h"
 #include "framework/table/figure.h"
+#include "framework/workload/exchange_file.h"
 #include "framework/workload/workload.h"
 
 #include <math.h>
@@ -343,7 +343,7 @@ const bb_command bb_command_judge = {
     .name = "judge",
     .summary = "judge the hits that an external tracer found for the rays from `bvhbench rays`",
     .details =
-        "A hit is a primitive and a t; framework/exchange/exchange.h has the format of both "
+        "A hit is a primitive and a t; framework/workload/exchange.h has the format of both "
         "files.\n"
         "Answers are judged as in `run`; brackets show a 95 % interval. If there are fewer hits "
         "than\n"

@@ -1,14 +1,14 @@
 /* bvhbench list: lists names that options take. */
 #include "framework/base/json.h"
 #include "framework/base/suggest.h"
+#include "framework/builder/metric.h"
 #include "framework/builder/registry.h"
 #include "framework/cli/choice.h"
 #include "framework/device/device_private.h"
-#include "framework/embree/embree.h"
+#include "framework/judge/embree.h"
 #include "framework/papers/reproduce.h"
 #include "framework/scene/scene.h"
 #include "framework/stress/axis.h"
-#include "framework/tree/metric.h"
 #include "framework/workload/workload.h"
 #include "traversal/traversal.h"
 

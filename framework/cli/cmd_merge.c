@@ -6,8 +6,8 @@
 #include "framework/cli/output.h"
 #include "framework/cli/report_table.h"
 #include "framework/cli/shard_option.h"
+#include "framework/compare/prediction.h"
 #include "framework/report/report.h"
-#include "framework/summary/prediction.h"
 
 #include <stdio.h>
 #include <stdlib.h>

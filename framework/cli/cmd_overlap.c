@@ -4,8 +4,8 @@
 #include "framework/cli/inputs.h"
 #include "framework/cli/output.h"
 #include "framework/device/device_private.h"
-#include "framework/overlap/overlap_contest.h"
 #include "framework/scene/tets_gather.h"
+#include "framework/tasks/overlap_contest.h"
 
 #include <stdio.h>
 

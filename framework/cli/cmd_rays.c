@@ -3,9 +3,9 @@
 #include "framework/base/threads.h"
 #include "framework/cli/choice.h"
 #include "framework/cli/out_option.h"
-#include "framework/exchange/exchange_file.h"
 #include "framework/judge/oracle.h"
 #include "framework/scene/prim.h"
+#include "framework/workload/exchange_file.h"
 #include "framework/workload/workload.h"
 
 #include <stdio.h>
@@ -91,7 +91,7 @@ const bb_command bb_command_rays = {
     .summary = "write a scene and a ray set to a file, for external tracers",
     .details =
         "With the same scene, size, max-rays and seed, these are the rays that `run` traces.\n"
-        "framework/exchange/exchange.h has the format of this file and of the hits file that\n"
+        "framework/workload/exchange.h has the format of this file and of the hits file that\n"
         "`bvhbench judge` takes; examples/outside-tracer is a complete tracer.",
     .options = options,
     .bytes = sizeof(job),

@@ -4,12 +4,12 @@
 #include "framework/cli/inputs.h"
 #include "framework/cli/out_option.h"
 #include "framework/cli/report_table.h"
-#include "framework/history/history.h"
-#include "framework/history/trend.h"
+#include "framework/compare/history.h"
+#include "framework/compare/prediction.h"
+#include "framework/compare/trend.h"
 #include "framework/record/record.h"
 #include "framework/report/report.h"
 #include "framework/report/report_history.h"
-#include "framework/summary/prediction.h"
 #include "framework/table/table.h"
 
 #include <stdio.h>

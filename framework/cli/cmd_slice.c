@@ -5,7 +5,7 @@
 #include "framework/cli/output.h"
 #include "framework/device/device_private.h"
 #include "framework/picture/exr.h"
-#include "framework/slice/slice_contest.h"
+#include "framework/tasks/slice_contest.h"
 
 #include <stdio.h>
 

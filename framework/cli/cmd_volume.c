@@ -5,7 +5,7 @@
 #include "framework/cli/inputs.h"
 #include "framework/cli/output.h"
 #include "framework/device/device_private.h"
-#include "framework/dvr/dvr.h"
+#include "framework/tasks/dvr.h"
 
 #include <stdio.h>
 #include <stdlib.h>

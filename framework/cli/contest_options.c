@@ -1,11 +1,11 @@
 #include "framework/cli/contest_options.h"
 
 #include "framework/base/interrupt.h"
+#include "framework/bench/tet_search.h"
 #include "framework/builder/pipeline.h"
 #include "framework/builder/registry.h"
 #include "framework/cli/inputs.h"
 #include "framework/cli/out_option.h"
-#include "framework/locate/tet_search.h"
 
 #include <stdio.h>
 #include <string.h>

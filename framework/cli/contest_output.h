@@ -3,9 +3,9 @@
 #ifndef BB_CONTEST_OUTPUT_H
 #define BB_CONTEST_OUTPUT_H
 
+#include "framework/bench/contest.h"
 #include "framework/cli/contest_options.h"
-#include "framework/measure/contest.h"
-#include "framework/show/outline.h"
+#include "framework/table/outline.h"
 
 #include <stdbool.h>
 

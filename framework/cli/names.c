@@ -1,13 +1,13 @@
 #include "framework/cli/names.h"
 
 #include "framework/base/suggest.h"
+#include "framework/builder/metric.h"
 #include "framework/builder/pipeline.h"
 #include "framework/builder/registry.h"
 #include "framework/device/device_private.h"
 #include "framework/record/cell.h"
 #include "framework/scene/scene.h"
 #include "framework/stress/axis.h"
-#include "framework/tree/metric.h"
 #include "framework/workload/workload.h"
 #include "traversal/traversal.h"
 

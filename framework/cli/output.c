@@ -1,15 +1,15 @@
 #include "framework/cli/output.h"
 
-#include "framework/base/bystanders.h"
 #include "framework/base/clock.h"
 #include "framework/base/file.h"
 #include "framework/base/interrupt.h"
+#include "framework/bench/bystanders.h"
 #include "framework/cli/earlier.h"
 #include "framework/cli/out_option.h"
+#include "framework/compare/history.h"
+#include "framework/compare/prediction.h"
 #include "framework/device/device_private.h"
-#include "framework/history/history.h"
 #include "framework/report/report.h"
-#include "framework/summary/prediction.h"
 
 #include <stdio.h>
 #include <stdlib.h>

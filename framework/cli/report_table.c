@@ -1,14 +1,14 @@
 #include "framework/cli/report_table.h"
 
 #include "framework/advise/advise.h"
-#include "framework/animate/animate.h"
 #include "framework/base/file.h"
 #include "framework/cli/inputs.h"
-#include "framework/dvr/dvr.h"
-#include "framework/overlap/overlap_contest.h"
 #include "framework/report/report.h"
-#include "framework/slice/slice_contest.h"
 #include "framework/stress/stress.h"
+#include "framework/tasks/animate.h"
+#include "framework/tasks/dvr.h"
+#include "framework/tasks/overlap_contest.h"
+#include "framework/tasks/slice_contest.h"
 
 #include <stdio.h>
 #include <stdlib.h>

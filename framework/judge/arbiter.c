@@ -1,8 +1,8 @@
 /* Classifies answers by the definitions in arbiter.h. */
 #include "framework/judge/arbiter.h"
 
-#include "framework/exact/passing.h"
 #include "framework/judge/open_way.h"
+#include "framework/scene/passing.h"
 #include "framework/scene/prim.h"
 
 #include <float.h>

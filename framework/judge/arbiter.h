@@ -42,7 +42,7 @@
 
 #include "framework/judge/accuracy.h"
 #include "framework/judge/box_tree.h"
-#include "framework/rays/rays.h"
+#include "framework/judge/rays.h"
 #include "framework/scene/scene.h"
 
 typedef struct bb_arbiter {

@@ -4,7 +4,7 @@
 #ifndef BB_OPEN_WAY_H
 #define BB_OPEN_WAY_H
 
-#include "framework/exact/passing.h"
+#include "framework/scene/passing.h"
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -6,7 +6,7 @@
 #ifndef BB_ORACLE_H
 #define BB_ORACLE_H
 
-#include "framework/rays/rays.h"
+#include "framework/judge/rays.h"
 #include "framework/scene/scene.h"
 
 typedef struct bb_oracle bb_oracle;

@@ -3,9 +3,9 @@
 #define BB_ORACLE_PRIVATE_H
 
 #include "framework/base/threads.h"
-#include "framework/embree/embree.h"
 #include "framework/judge/arbiter.h"
 #include "framework/judge/clear_way.h"
+#include "framework/judge/embree.h"
 #include "framework/judge/oracle.h"
 
 struct bb_oracle {

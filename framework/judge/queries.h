@@ -2,7 +2,7 @@
 #ifndef BB_QUERIES_H
 #define BB_QUERIES_H
 
-#include "framework/rays/query.h"
+#include "framework/judge/query.h"
 
 extern const bb_query bb_query_closest, bb_query_any;
 

@@ -3,8 +3,8 @@
 #ifndef BB_DYNAMIC_H
 #define BB_DYNAMIC_H
 
-#include "framework/animate/animate.h"
 #include "framework/papers/reproduce.h"
+#include "framework/tasks/animate.h"
 
 /* The paper's methods, as it describes them; then what they are compared with today. Refitted trees
  * may take a hundred times as long to trace: they are compared with LBVHs rebuilt in pictures of an

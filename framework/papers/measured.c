@@ -1,7 +1,7 @@
 /* What an ordinary comparison measured, as a table: the only reader of the results here. */
+#include "framework/builder/metric.h"
 #include "framework/papers/reproduce.h"
 #include "framework/record/record.h"
-#include "framework/tree/metric.h"
 
 /* Figures under the names that they have in the results. */
 static const bb_field_id of_scenes[] = {BB_F_SCENE_PRIMS, BB_F_PROFILE_FLATNESS,

@@ -7,11 +7,11 @@
  * meshes are not to be had: here a ball, a regular block (as "Jets"), a shell (as "Part" and "Pot")
  * and a block whose cubes grow (as those with large variance), or what is asked for.
  */
-#include "framework/dvr/dvr.h"
-#include "framework/overlap/overlap_contest.h"
 #include "framework/papers/reproduce.h"
 #include "framework/scene/tets_gather.h"
-#include "framework/slice/slice_contest.h"
+#include "framework/tasks/dvr.h"
+#include "framework/tasks/overlap_contest.h"
+#include "framework/tasks/slice_contest.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -6,8 +6,8 @@
  * of the paper there are its words. As there, an n-body density, seen in parallel projection, the
  * volume turned about each axis; here fewer turns, smaller pictures, and sizes from 64 on.
  */
-#include "framework/dvr/dvr.h"
 #include "framework/papers/reproduce.h"
+#include "framework/tasks/dvr.h"
 
 #include <math.h>
 #include <string.h>

@@ -8,7 +8,7 @@
 #define BB_REPRODUCE_H
 
 #include "framework/bench/bench.h"
-#include "framework/measure/contest.h"
+#include "framework/bench/contest.h"
 #include "framework/papers/figures.h"
 
 #include <stdio.h>

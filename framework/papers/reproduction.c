@@ -1,7 +1,7 @@
 /* Tables and claims: into the results, and as text. */
 #include "framework/papers/reproduce.h"
 #include "framework/record/record.h"
-#include "framework/show/page.h"
+#include "framework/table/page.h"
 
 #include <math.h>
 #include <string.h>

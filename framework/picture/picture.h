@@ -4,8 +4,8 @@
 
 #include "framework/judge/accuracy.h"
 #include "framework/judge/oracle.h"
+#include "framework/judge/rays.h"
 #include "framework/picture/canvas.h"
-#include "framework/rays/rays.h"
 #include "framework/record/record.h"
 #include "framework/scene/scene.h"
 

@@ -2,7 +2,7 @@
  * that have their defaults. */
 #include "framework/base/number.h"
 #include "framework/builder/pipeline.h"
-#include "framework/embree/embree.h"
+#include "framework/judge/embree.h"
 #include "framework/record/cell.h"
 #include "framework/scene/scene.h"
 #include "framework/workload/workload.h"

@@ -2,7 +2,7 @@
 #include "framework/record/record_private.h"
 
 #include "framework/base/number.h"
-#include "framework/tree/tree.h"
+#include "framework/builder/tree.h"
 
 #include <math.h>
 #include <stdio.h>

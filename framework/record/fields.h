@@ -10,7 +10,7 @@
  * (LATER). All tables use `format`, `heading` and `help`; a field without a heading is in no table.
  *
  * Fields of one name share a column of the file. Metrics of trees are not listed here. Each of them
- * (framework/tree/metric.h) is one or two further columns of a build.
+ * (framework/builder/metric.h) is one or two further columns of a build.
  *
  * This file has no guard: whoever includes it defines FIELD for its own purpose.
  */

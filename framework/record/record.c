@@ -2,7 +2,7 @@
 #include "framework/record/record.h"
 
 #include "framework/device/run_row.h"
-#include "framework/embree/embree.h"
+#include "framework/judge/embree.h"
 #include "framework/record/record_private.h"
 
 #include <inttypes.h>

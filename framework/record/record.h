@@ -8,15 +8,15 @@
 #include "framework/base/decision.h"
 #include "framework/base/statistics.h"
 #include "framework/base/status.h"
+#include "framework/builder/metric.h"
+#include "framework/builder/tree.h"
 #include "framework/device/device_private.h"
 #include "framework/device/run_row.h"
 #include "framework/judge/accuracy.h"
-#include "framework/rays/rays.h"
+#include "framework/judge/rays.h"
 #include "framework/record/cell.h"
 #include "framework/record/schema.h"
 #include "framework/scene/scene.h"
-#include "framework/tree/metric.h"
-#include "framework/tree/tree.h"
 
 enum {
     BB_LAYOUTS_MAX = 48,     /* most layouts of one tree */
@@ -119,7 +119,7 @@ typedef struct bb_trace_record {
 } bb_trace_record;
 
 /* How well measures of trees predict the time of one kind of rays: SAH, EPO, (1 - alpha) SAH +
- * alpha EPO, and the counted work. framework/summary/prediction.h computes it. NAN: not known. */
+ * alpha EPO, and the counted work. framework/compare/prediction.h computes it. NAN: not known. */
 typedef struct bb_prediction_record {
     const char *rays;
     uint32_t cells, groups, trees, scenes;

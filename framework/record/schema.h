@@ -5,8 +5,8 @@
 #define BB_SCHEMA_H
 
 #include "framework/base/statistics.h"
+#include "framework/builder/metric.h"
 #include "framework/table/table.h"
-#include "framework/tree/metric.h"
 
 #include <stdbool.h>
 #include <stddef.h>

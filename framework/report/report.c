@@ -1,15 +1,15 @@
 /* The HTML report: a template into which style, chart library, script, records and pictures are
  * put, so that one file is all there is to keep or send. The cells of the charts are computed here
- * (framework/chart/chart.h); the page's script draws what is chosen of them.
+ * (framework/report/chart.h); the page's script draws what is chosen of them.
  */
 #include "framework/report/report.h"
 #include "framework/base/file.h"
 #include "framework/base/json.h"
-#include "framework/chart/chart.h"
+#include "framework/compare/prediction.h"
+#include "framework/compare/summary.h"
 #include "framework/record/schema.h"
-#include "framework/show/template.h"
-#include "framework/summary/prediction.h"
-#include "framework/summary/summary.h"
+#include "framework/report/chart.h"
+#include "framework/table/template.h"
 
 #include <stdint.h>
 #include <stdlib.h>

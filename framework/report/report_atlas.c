@@ -1,7 +1,7 @@
 /* Makes the page of the atlas from a template, style, chart library, script, figures and pictures.
  */
 #include "framework/report/report.h"
-#include "framework/show/template.h"
+#include "framework/table/template.h"
 
 #include "framework/base/file.h"
 #include "framework/base/json.h"

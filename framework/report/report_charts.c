@@ -1,7 +1,7 @@
 /* Draws the charts as SVG and PNG: gnuplot runs a script, which is written beside them. */
 #include "framework/base/file.h"
 #include "framework/base/steering.h"
-#include "framework/chart/chart_script.h"
+#include "framework/report/chart_script.h"
 #include "framework/report/report.h"
 
 #include <dirent.h>

@@ -1,6 +1,6 @@
 #include "framework/report/report_compare.h"
 
-#include "framework/show/page.h"
+#include "framework/table/page.h"
 
 #include <math.h>
 #include <string.h>

@@ -3,8 +3,8 @@
 
 #include "framework/base/file.h"
 #include "framework/base/json.h"
-#include "framework/show/page.h"
-#include "framework/show/template.h"
+#include "framework/table/page.h"
+#include "framework/table/template.h"
 
 #include <math.h>
 #include <stdio.h>

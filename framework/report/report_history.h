@@ -2,7 +2,7 @@
 #ifndef BB_REPORT_HISTORY_H
 #define BB_REPORT_HISTORY_H
 
-#include "framework/history/trend.h"
+#include "framework/compare/trend.h"
 
 #include <stdio.h>
 

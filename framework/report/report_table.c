@@ -3,8 +3,8 @@
  * rays. */
 #include "framework/judge/queries.h"
 #include "framework/report/report.h"
-#include "framework/show/view.h"
 #include "framework/table/figure.h"
+#include "framework/table/view.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,9 +1,9 @@
 /* The answer: builders by merit over all scenes and rays, what is best and what this run cannot
  * tell apart, as a table and in sentences. On the terminal it fits on one screen of 100 columns;
  * Markdown has a few columns more. */
+#include "framework/compare/summary.h"
 #include "framework/report/report.h"
-#include "framework/show/page.h"
-#include "framework/summary/summary.h"
+#include "framework/table/page.h"
 
 #include <math.h>
 #include <stddef.h>

@@ -1,13 +1,13 @@
 /* Kinds of primitives. Everything that the harness knows of a kind is in one constant struct,
  * bb_prim_NAME in prim_NAME.c, and in kernels/prim_NAME.clh; BB_PRIM_KINDS in kernels/bb_shared.h
  * lists the kinds. In all functions `i` counts within the kind, from 0, and o + t d is a line with
- * numbers as framework/exact/exact.h requires.
+ * numbers as framework/scene/exact.h requires.
  */
 #ifndef BB_PRIM_H
 #define BB_PRIM_H
 
 #include "framework/base/random.h"
-#include "framework/exact/passing.h"
+#include "framework/scene/passing.h"
 #include "framework/scene/scene.h"
 
 enum { BB_OUTLINES_MAX = 6 }; /* most flat parts of one primitive */

@@ -1,5 +1,5 @@
 /* Axis-aligned boxes: lower and upper corner. Rays meet the surface; a box may be flat. */
-#include "framework/exact/expansion.h"
+#include "framework/scene/expansion.h"
 #include "framework/scene/prim.h"
 
 #include <float.h>

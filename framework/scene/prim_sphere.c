@@ -1,5 +1,5 @@
 /* Spheres: centre and radius. */
-#include "framework/exact/exact.h"
+#include "framework/scene/exact.h"
 #include "framework/scene/prim.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /* Tetrahedra: four indices of vertices, in either orientation; all may be on one plane. Rays meet
  * the surface. */
-#include "framework/exact/exact.h"
+#include "framework/scene/exact.h"
 #include "framework/scene/face.h"
 #include "framework/scene/prim.h"
 #include "framework/scene/tets.h"

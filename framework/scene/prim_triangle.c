@@ -1,5 +1,5 @@
 /* Triangles: three indices of vertices. */
-#include "framework/exact/exact.h"
+#include "framework/scene/exact.h"
 #include "framework/scene/face.h"
 #include "framework/scene/prim.h"
 

@@ -9,7 +9,7 @@
 
 #include "framework/base/options.h"
 #include "framework/device/device.h"
-#include "framework/volume/volume.h"
+#include "framework/scene/volume.h"
 #include "kernels/bb_shared.h"
 
 #include <stdbool.h>

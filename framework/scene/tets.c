@@ -2,7 +2,7 @@
 #include "framework/scene/tets.h"
 
 #include "framework/base/memory.h"
-#include "framework/exact/exact.h"
+#include "framework/scene/exact.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,9 +1,9 @@
 #include "framework/stress/axis.h"
 
-#include "framework/animate/animate.h"
 #include "framework/base/file.h"
 #include "framework/base/steering.h"
 #include "framework/builder/pipeline.h"
+#include "framework/tasks/animate.h"
 
 #include <cjson/cJSON.h>
 #include <math.h>

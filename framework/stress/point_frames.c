@@ -2,8 +2,8 @@
  * methods of a run differ in one part. */
 #include "framework/stress/point_private.h"
 
-#include "framework/animate/animate.h"
 #include "framework/bench/bench.h"
+#include "framework/tasks/animate.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -39,7 +39,7 @@ bb_status bb_point_request_make(const bb_points *points, double x, const bool *w
 /* Measures a wish on an open device. Failures become outcomes. */
 void bb_point_bench(const bb_points *points, bb_device *device, bb_wish *wish);
 
-/* Does the same for an axis with frames (framework/animate). */
+/* Does the same for an axis with frames (framework/tasks). */
 void bb_point_frames(const bb_points *points, bb_device *device, bb_wish *wish);
 
 /* Sets a failure as the outcome of one method. */

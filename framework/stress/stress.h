@@ -2,9 +2,9 @@
 #ifndef BB_STRESS_H
 #define BB_STRESS_H
 
-#include "framework/show/outline.h"
 #include "framework/stress/point.h"
 #include "framework/stress/search.h"
+#include "framework/table/outline.h"
 #include "framework/table/table.h"
 
 #include <stdio.h>

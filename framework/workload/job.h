@@ -3,7 +3,7 @@
 #define BB_JOB_H
 
 #include "framework/judge/oracle.h"
-#include "framework/rays/rays.h"
+#include "framework/judge/rays.h"
 
 typedef struct bb_rays_request {
     const bb_spec *spec; /* workload and parameters */

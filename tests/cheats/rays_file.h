@@ -1,8 +1,8 @@
-/* The files of both directions, as framework/exchange/exchange.h describes them. */
+/* The files of both directions, as framework/workload/exchange.h describes them. */
 #ifndef CHEATS_RAYS_FILE_H
 #define CHEATS_RAYS_FILE_H
 
-#include "framework/exchange/exchange.h"
+#include "framework/workload/exchange.h"
 
 #include <stdbool.h>
 

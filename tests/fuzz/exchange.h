@@ -3,7 +3,7 @@
 #ifndef BB_FUZZ_EXCHANGE_H
 #define BB_FUZZ_EXCHANGE_H
 
-#include "framework/exchange/exchange_file.h"
+#include "framework/workload/exchange_file.h"
 #include "tests/fuzz/fuzz.h"
 
 #include <xxhash.h>

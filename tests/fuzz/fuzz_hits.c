@@ -1,6 +1,6 @@
 /* Hits files, whose sums are made right: what is read is an answer. */
 #include "framework/judge/queries.h"
-#include "framework/rays/rays.h"
+#include "framework/judge/rays.h"
 #include "tests/fuzz/exchange.h"
 
 #include <math.h>

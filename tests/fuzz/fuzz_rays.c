@@ -1,5 +1,5 @@
 /* Rays files, whose sums are made right. What is read can be written, and then is what it was. */
-#include "framework/rays/rays.h"
+#include "framework/judge/rays.h"
 #include "tests/fuzz/exchange.h"
 
 #include <math.h>

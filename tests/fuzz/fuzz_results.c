@@ -1,8 +1,8 @@
 /* Result files: whatever is read can be written and read again, merged with another, summed up and
  * shown. */
-#include "framework/chart/chart.h"
+#include "framework/compare/summary.h"
+#include "framework/report/chart.h"
 #include "framework/report/report.h"
-#include "framework/summary/summary.h"
 #include "tests/fuzz/fuzz.h"
 
 #include <cjson/cJSON.h>

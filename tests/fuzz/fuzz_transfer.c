@@ -1,5 +1,5 @@
 /* Transfer functions: what is read has points that ascend, and a table of finite numbers. */
-#include "framework/volume/transfer.h"
+#include "framework/scene/transfer.h"
 #include "tests/fuzz/fuzz.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
 /* A metric of trees that nobody else knows of, for one_file.sh. */
-#include "framework/tree/metric.h"
+#include "framework/builder/metric.h"
 
 static bb_status compute(const bb_tree *tree, const bb_scene *scene, uint64_t samples,
                          uint64_t seed, double *value, double *half)

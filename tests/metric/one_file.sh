@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # A metric of trees is one file: one_file.sh SOURCE BUILD FOLDER (of dropped_in.sh)
 # 1. No file of the harness but its own names a metric, apart from papers, whose data do, and SAH, which the harness itself
-# uses for layouts. 2. With BVHBENCH_SLOW_TESTS set: a metric dropped into framework/tree (dropped_in.c) is in every output: list, help,
+# uses for layouts. 2. With BVHBENCH_SLOW_TESTS set: a metric dropped into framework/builder (dropped_in.c) is in every output: list, help,
 # file, tables, page, charts.
 . "$(dirname "$0")/../source_copy.sh"
 
-for file in framework/tree/metric_*.c; do
+for file in framework/builder/metric_*.c; do
     name=$(basename "$file" .c)
     name=${name#metric_}
     [ "$name" != sah ] || continue

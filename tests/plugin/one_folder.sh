@@ -8,7 +8,7 @@
 comment='^[^:]+:[0-9]+: *(\*|/\*|//|# )'
 # "embree" is the oracle and a kernel too, "null" a word of JSON: only as specifications they say something. "sah" is a metric, whose
 # name stands in its file.
-metric='^framework/tree/metric_sah\.c:[^"]*"sah"[^"]*$'
+metric='^framework/builder/metric_sah\.c:[^"]*"sah"[^"]*$'
 
 # Prints the lines of the harness that name the builder $1: its symbol, its folder, or its name as a word of any text between quotes.
 lines_that_name()

@@ -85,7 +85,7 @@ const metricOf = (build, metric) => (build.tree || {})[metric.name];
 const metrics = [false, true].flatMap(onRequest => schema.metrics.filter(m => m.on_request === onRequest &&
   (!onRequest || builds.some(b => isNumber(metricOf(b, m))))));
 
-/* ---- the cells of the charts, computed with the results (framework/chart/chart.h) ---- */
+/* ---- the cells of the charts, computed with the results (framework/report/chart.h) ---- */
 for (const set of sets) {
   for (const cell of set.cells) cell.t = traces[cell.trace];
   for (const cell of set.cells) {

@@ -1,4 +1,4 @@
-/* Do costs of trees predict what rays take? One chart and one table over all scenes, by kind of rays (framework/summary/prediction.h). */
+/* Do costs of trees predict what rays take? One chart and one table over all scenes, by kind of rays (framework/compare/prediction.h). */
 const predictions = data.predictions || [];
 /* How the fields of each begin, where a point has its figure, and its name. */
 const costsOfTrees = [['mix_', 4, 'SAH and EPO, the best mix'], ['sah_', 2, 'SAH'], ['epo_', 3, 'EPO'],

@@ -1,5 +1,5 @@
 /* The first screen: what the result says of its builders, over all scenes and rays or a choice of them. Rows, ties and sentences
- * were computed with the results (framework/summary/summary.h); this shows them. */
+ * were computed with the results (framework/compare/summary.h); this shows them. */
 const summaries = JSON.parse($('summary-data').textContent);
 const chosen = { scene: '', rays: '' };
 const summaryOf = (scene, rays) => summaries.choices.find(s => s.scene === scene && s.rays === rays);

@@ -1,0 +1,48 @@
+/* What the parts of a contest share: contest_make.c, and above it contest.c. */
+#ifndef BB_CONTEST_PRIVATE_H
+#define BB_CONTEST_PRIVATE_H
+
+#include "framework/bench/contest.h"
+#include "framework/bench/turns.h"
+
+/* A search, or a kernel, and the index of the layout that it reads. */
+typedef struct bb_contest_search_choice {
+    bb_spec spec;
+    const bb_kernel *kernel; /* NULL: searches tetrahedra */
+    uint32_t layout;
+} bb_contest_search_choice;
+
+/* A builder: per scene its tree. */
+typedef struct bb_contest_entrant {
+    bb_resident *trees;
+    bb_contest_runner *runners; /* one per search */
+} bb_contest_entrant;
+
+typedef struct bb_contest {
+    const bb_contest_request *request;
+    const bb_contest_task *task;
+    bb_contest_way ways[BB_CONTEST_WAYS_MAX];
+    bb_contest_runner runners[BB_CONTEST_WAYS_MAX]; /* of all ways */
+    uint32_t way_count, first;                      /* way with a tree */
+    bb_contest_entrant *entrants;
+    bb_contest_search_choice *searches;
+    bb_residency residency; /* scene by scene of each builder */
+    uint32_t base;          /* the way that others are compared with */
+    unsigned char *without, *with;
+    bb_count *counts;
+    bb_buffer d_answers, d_counts;
+    bb_random random;  /* of the orders of rounds */
+    uint64_t items;    /* of all questions */
+    bb_audit *audit;   /* the request's, or the next */
+    bb_audit no_audit; /* nobody asks for it */
+} bb_contest;
+
+/* Makes trees, layouts and programs of all ways, and chooses the base. */
+bb_status bb_contest_make(bb_contest *contest);
+void bb_contest_clean_up(bb_contest *contest);
+
+/* Sees to it that trees and layouts of a way are on the device. */
+bb_status bb_contest_bring(bb_contest *contest, const bb_contest_entrant *entrant,
+                           const bb_contest_search_choice *search);
+
+#endif

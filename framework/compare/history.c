@@ -1,0 +1,326 @@
+#include "framework/compare/history.h"
+
+#include "framework/compare/history_private.h"
+#include "framework/compare/schema.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { WAIT_MS = 60 * 1000 };
+
+/* ---- statements ---- */
+
+bb_status bb_history_fail(const bb_history *history, const char *doing)
+{
+    int code = sqlite3_errcode(history->db) & 0xff;
+    bool theirs = code == SQLITE_CANTOPEN || code == SQLITE_NOTADB || code == SQLITE_READONLY ||
+                  code == SQLITE_CORRUPT || code == SQLITE_PERM || code == SQLITE_BUSY;
+    const char *advice = code == SQLITE_BUSY      ? ": another program has held it for a minute"
+                         : code == SQLITE_NOTADB  ? ": name another file"
+                         : code == SQLITE_FULL    ? ": make room"
+                         : code == SQLITE_CORRUPT ? ": move it away, or restore a copy"
+                                                  : "";
+    return bb_fail(theirs ? BB_INVALID : BB_FAILED, "history %s: cannot %s: %s%s", history->path,
+                   doing, sqlite3_errmsg(history->db), advice);
+}
+
+bb_status bb_history_exec(bb_history *history, const char *sql, const char *doing)
+{
+    return sqlite3_exec(history->db, sql, NULL, NULL, NULL) == SQLITE_OK
+               ? BB_OK
+               : bb_history_fail(history, doing);
+}
+
+bb_status bb_history_prepare(bb_history *history, const char *sql, sqlite3_stmt **statement)
+{
+    return sqlite3_prepare_v2(history->db, sql, -1, statement, NULL) == SQLITE_OK
+               ? BB_OK
+               : bb_history_fail(history, "read it");
+}
+
+void bb_history_bind(sqlite3_stmt *statement, const char *types, ...)
+{
+    va_list values;
+    va_start(values, types);
+    for (int i = 1; types[i - 1] != '\0'; i++)
+        switch (types[i - 1]) {
+        case 't':
+            sqlite3_bind_text(statement, i, va_arg(values, const char *), -1, SQLITE_TRANSIENT);
+            break;
+        case 'i':
+            sqlite3_bind_int64(statement, i, va_arg(values, int64_t));
+            break;
+        case 'd':
+            sqlite3_bind_double(statement, i, va_arg(values, double));
+            break;
+        default:
+            sqlite3_bind_null(statement, i);
+        }
+    va_end(values);
+}
+
+bb_status bb_history_do(bb_history *history, sqlite3_stmt *statement, const char *doing)
+{
+    int code = sqlite3_step(statement);
+    bb_status status = code == SQLITE_DONE ? BB_OK : bb_history_fail(history, doing);
+    sqlite3_reset(statement);
+    return status;
+}
+
+const char *bb_history_text(sqlite3_stmt *statement, int column)
+{
+    const unsigned char *text = sqlite3_column_text(statement, column);
+    return text != NULL ? (const char *)text : "";
+}
+
+/* Stores the first number of a query's result. */
+static bb_status ask(bb_history *history, const char *sql, int64_t *value)
+{
+    sqlite3_stmt *statement = NULL;
+    BB_TRY(bb_history_prepare(history, sql, &statement));
+    bb_status status =
+        sqlite3_step(statement) == SQLITE_ROW ? BB_OK : bb_history_fail(history, "read it");
+    *value = sqlite3_column_int64(statement, 0);
+    sqlite3_finalize(statement);
+    return status;
+}
+
+/* ---- opening ---- */
+
+/* Refuses a file that is neither empty nor a history, so that no other database is changed. */
+static bb_status check_owner(bb_history *history, bool *empty)
+{
+    int64_t application, version, tables;
+    BB_TRY(ask(history, "PRAGMA application_id", &application));
+    BB_TRY(ask(history, "PRAGMA user_version", &version));
+    BB_TRY(ask(history, "SELECT count(*) FROM sqlite_master", &tables));
+    *empty = application == 0 && version == 0 && tables == 0;
+    if (*empty)
+        return BB_OK;
+    if (application != BB_HISTORY_APPLICATION)
+        return bb_fail(BB_INVALID, "history %s is another program's database: name another file",
+                       history->path);
+    if (version != BB_HISTORY_VERSION)
+        return bb_fail(BB_INVALID,
+                       "history %s is of version %lld, this program reads %d: name another file",
+                       history->path, (long long)version, BB_HISTORY_VERSION);
+    return BB_OK;
+}
+
+/* Makes the tables in an empty file. Another process may have made them meanwhile, so the file is
+ * checked again once it is locked. */
+static bb_status make_tables(bb_history *history)
+{
+    char sql[128];
+    bool empty;
+    /* in one transaction: another process might make the tables meanwhile */
+    BB_TRY(bb_history_exec(history, "BEGIN", "read it"));
+    bb_status seen = check_owner(history, &empty);
+    (void)sqlite3_exec(history->db, "COMMIT", NULL, NULL, NULL);
+    if (seen != BB_OK || !empty)
+        return seen;
+    BB_TRY(bb_history_exec(history, "BEGIN IMMEDIATE", "write it"));
+    bb_status status = check_owner(history, &empty);
+    if (status == BB_OK && empty)
+        status = bb_history_exec(history, bb_history_tables, "make its tables");
+    snprintf(sql, sizeof sql, "PRAGMA application_id=%d; PRAGMA user_version=%d; COMMIT",
+             BB_HISTORY_APPLICATION, BB_HISTORY_VERSION);
+    if (status == BB_OK)
+        status = bb_history_exec(history, sql, "make its tables");
+    if (status != BB_OK)
+        (void)sqlite3_exec(history->db, "ROLLBACK", NULL, NULL, NULL);
+    return status;
+}
+
+/* Tests whether the file can be written: changes a page in a transaction and rolls it back. */
+static bb_status try_write(bb_history *history)
+{
+    bb_status status =
+        bb_history_exec(history, "BEGIN IMMEDIATE; CREATE TABLE trial(x)", "write it");
+    if (sqlite3_get_autocommit(history->db) == 0 &&
+        sqlite3_exec(history->db, "ROLLBACK", NULL, NULL, NULL) != SQLITE_OK && status == BB_OK)
+        status = bb_history_fail(history, "write it");
+    return status;
+}
+
+bb_status bb_history_open(const char *path, bool create, bb_history **out)
+{
+    *out = NULL;
+    bb_history *history = calloc(1, sizeof *history);
+    if (history == NULL || (history->path = strdup(path)) == NULL) {
+        free(history);
+        return bb_fail(BB_FAILED, "history %s: no memory", path);
+    }
+    int flags = SQLITE_OPEN_READWRITE | (create ? SQLITE_OPEN_CREATE : 0);
+    bb_status status = BB_OK;
+    if (sqlite3_open_v2(path, &history->db, flags, NULL) != SQLITE_OK)
+        status = history->db != NULL ? bb_history_fail(history, "open it")
+                                     : bb_fail(BB_FAILED, "history %s: no memory", path);
+    if (status == BB_OK) {
+        sqlite3_busy_timeout(history->db, WAIT_MS);
+        status =
+            bb_history_exec(history, "PRAGMA synchronous=FULL; PRAGMA foreign_keys=ON", "open it");
+    }
+    if (status == BB_OK)
+        status = make_tables(history);
+    if (status == BB_OK && create)
+        status = try_write(history);
+    if (status != BB_OK) {
+        bb_history_close(history);
+        return status;
+    }
+    *out = history;
+    return BB_OK;
+}
+
+void bb_history_close(bb_history *history)
+{
+    if (history == NULL)
+        return;
+    sqlite3_close(history->db);
+    free(history->path);
+    free(history);
+}
+
+/* ---- appending ---- */
+
+/* Columns of a run that are not in its origin. */
+typedef struct about {
+    const char *version, *opencl, *flags, *kernels, *command;
+} about;
+
+static bb_status append_run(bb_history *history, const bb_origin *o, const about *a, int64_t *run)
+{
+    sqlite3_stmt *statement = NULL;
+    BB_TRY(bb_history_prepare(history,
+                              "INSERT INTO runs(date, revision, version, host, cpu, device, driver,"
+                              " opencl, embree, build_flags, kernels, seed, command, interrupted,"
+                              " shard, device_type) VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)",
+                              &statement));
+    bb_history_bind(statement, "tttttttttttttitt", o->date, o->revision, a->version, o->host,
+                    o->cpu, o->device, o->driver, a->opencl, o->embree, a->flags, a->kernels,
+                    o->seed, a->command, (int64_t)o->interrupted, o->shard, o->device_type);
+    bb_status status = bb_history_do(history, statement, "append to it");
+    sqlite3_finalize(statement);
+    *run = sqlite3_last_insert_rowid(history->db);
+    return status;
+}
+
+typedef struct inserts {
+    sqlite3_stmt *cell, *measurement, *figure;
+} inserts;
+
+/* Returns the samples as JSON, "[1.5,2]", with all digits; NULL if there are none, or no memory. */
+static char *samples_text(const bb_samples *ms)
+{
+    if (ms->count == 0)
+        return NULL;
+    enum { DIGITS = 26 };
+    char *text = malloc((size_t)ms->count * DIGITS + 3), *at = text;
+    for (uint32_t i = 0; i < ms->count && text != NULL; i++)
+        at += sprintf(at, "%c%.17g", i == 0 ? '[' : ',', ms->values[i]);
+    if (text != NULL)
+        strcpy(at, "]");
+    return text;
+}
+
+static bb_status append_cell(bb_history *history, const inserts *in, int64_t run,
+                             const bb_measured *cell)
+{
+    char *samples = samples_text(&cell->ms);
+    if (samples == NULL && cell->ms.count > 0)
+        return bb_fail(BB_FAILED, "history %s: no memory", history->path);
+    bb_history_bind(in->cell, "t", cell->key);
+    bb_status status = bb_history_do(history, in->cell, "append to it");
+    if (status == BB_OK) {
+        bb_history_bind(in->measurement, samples != NULL ? "ittitttt" : "ittitttn", run, cell->key,
+                        cell->time, (int64_t)cell->reference, cell->status, cell->scene_hash,
+                        cell->rays_hash, samples);
+        status = bb_history_do(history, in->measurement, "append to it");
+    }
+    free(samples);
+    int64_t id = sqlite3_last_insert_rowid(history->db);
+    for (uint32_t i = 0; i < cell->figure_count && status == BB_OK; i++) {
+        const bb_exact_figure *f = &cell->figures[i];
+        bb_history_bind(in->figure, "itid", id, f->name, (int64_t)f->better, f->value);
+        status = bb_history_do(history, in->figure, "append to it");
+    }
+    return status;
+}
+
+static bb_status append_cells(bb_history *history, const bb_cell_set *set, int64_t run)
+{
+    inserts in = {NULL, NULL, NULL};
+    bb_status status = bb_history_prepare(
+        history, "INSERT INTO cells(key) VALUES(?) ON CONFLICT(key) DO NOTHING", &in.cell);
+    if (status == BB_OK)
+        status =
+            bb_history_prepare(history,
+                               "INSERT INTO measurements(run, cell, time, reference, status,"
+                               " scene_hash, rays_hash, samples) VALUES(?1,"
+                               " (SELECT id FROM cells WHERE key = ?2), ?3, ?4, ?5, ?6, ?7, ?8)",
+                               &in.measurement);
+    if (status == BB_OK)
+        status = bb_history_prepare(history, "INSERT INTO figures VALUES(?,?,?,?)", &in.figure);
+    for (uint32_t i = 0; i < set->count && status == BB_OK; i++)
+        status = append_cell(history, &in, run, &set->cells[i]);
+    sqlite3_finalize(in.cell);
+    sqlite3_finalize(in.measurement);
+    sqlite3_finalize(in.figure);
+    return status;
+}
+
+/* Commits, or rolls back what was done since BEGIN. */
+static bb_status finish(bb_history *history, bb_status status)
+{
+    if (status == BB_OK)
+        status = bb_history_exec(history, "COMMIT", "append to it");
+    if (status != BB_OK && sqlite3_get_autocommit(history->db) == 0)
+        (void)sqlite3_exec(history->db, "ROLLBACK", NULL, NULL, NULL);
+    return status;
+}
+
+/* Appends the set, if `status` says that it could be made, and frees it. */
+static bb_status append_set(bb_history *history, bb_status status, bb_cell_set *set, const about *a)
+{
+    int64_t run = 0;
+    if (status == BB_OK)
+        status = bb_history_exec(history, "BEGIN IMMEDIATE", "append to it");
+    if (status == BB_OK) {
+        status = append_run(history, &set->origin, a, &run);
+        if (status == BB_OK)
+            status = append_cells(history, set, run);
+        status = finish(history, status);
+    }
+    bb_cell_set_free(set);
+    return status;
+}
+
+bb_status bb_history_append(bb_history *history, const bb_table *table)
+{
+    bb_cell_set set;
+    const uint32_t run = bb_table_find(table, (bb_cell){{NULL}});
+    const about a = {.version = bb_table_get_text(table, run, "version"),
+                     .opencl = bb_table_get_text(table, run, "opencl"),
+                     .flags = bb_table_get_text(table, run, "build_flags"),
+                     .kernels = bb_table_get_text(table, run, "kernels"),
+                     .command = bb_table_get_text(table, run, "command")};
+    return append_set(history, bb_cell_set_of_table(table, "this run", &set), &set, &a);
+}
+
+bb_status bb_history_append_floor(bb_history *history, const bb_origin *o, const bb_floor *floor)
+{
+    sqlite3_stmt *statement = NULL;
+    BB_TRY(bb_history_prepare(history,
+                              "INSERT INTO floors(date, revision, host, cpu, device, driver, share,"
+                              " cells) VALUES(?,?,?,?,?,?,?,?)",
+                              &statement));
+    bb_history_bind(statement, "ttttttdi", o->date, o->revision, o->host, o->cpu, o->device,
+                    o->driver, floor->share, (int64_t)floor->cells);
+    bb_status status = bb_history_do(history, statement, "append to it");
+    sqlite3_finalize(statement);
+    return status;
+}

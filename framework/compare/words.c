@@ -1,0 +1,371 @@
+/* Says in sentences what follows from the rows. */
+#include "framework/compare/prediction.h"
+#include "framework/compare/summary_private.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+static bb_sentence *begin(bb_summary *s, const char *label)
+{
+    if (s->sentence_count == BB_SUMMARY_SENTENCES)
+        return NULL;
+    bb_sentence *sentence = &s->sentences[s->sentence_count++];
+    snprintf(sentence->label, sizeof sentence->label, "%s", label);
+    sentence->text[0] = '\0';
+    return sentence;
+}
+
+/* Formats a sentence, and cuts it if it is too long. */
+static void say(bb_sentence *sentence, const char *format, ...)
+{
+    if (sentence == NULL)
+        return;
+    size_t length = strlen(sentence->text);
+    va_list args;
+    va_start(args, format);
+    vsnprintf(sentence->text + length, sizeof sentence->text - length, format, args);
+    va_end(args);
+}
+
+/* 560000 -> "560 k", 3.2e9 -> "3.2 G" */
+static const char *rays_text(double rays, char text[32])
+{
+    static const struct {
+        double unit;
+        const char *name;
+    } units[] = {{1e9, " G"}, {1e6, " M"}, {1e3, " k"}, {1, ""}};
+    size_t i = 0;
+    while (i < 3 && rays < 0.9995 * units[i].unit)
+        i++;
+    snprintf(text, 32, rays / units[i].unit < 9.95 ? "%.2g%s" : "%.0f%s", rays / units[i].unit,
+             units[i].name);
+    return text;
+}
+
+/* 1.062 -> "1.06x", 37.2 -> "37x" */
+static const char *times_text(double ratio, char text[32])
+{
+    snprintf(text, 32, ratio < 9.995 ? "%.2fx" : "%.0fx", ratio);
+    return text;
+}
+
+enum { NAMED = 5 };
+
+/* A list of rows, of which the first few are named. */
+typedef struct row_list {
+    const bb_summary_row *rows[NAMED];
+    uint32_t count; /* number of all rows */
+} row_list;
+
+static void list_row(row_list *list, const bb_summary_row *row)
+{
+    if (list->count < NAMED)
+        list->rows[list->count] = row;
+    list->count++;
+}
+
+/* "A, B and 2 more" */
+static void say_names(bb_sentence *sentence, const row_list *list)
+{
+    uint32_t named = list->count > NAMED ? NAMED - 1 : list->count;
+    for (uint32_t i = 0; i < named; i++)
+        say(sentence, "%s%s", i > 0 ? ", " : "", list->rows[i]->name);
+    if (list->count > named)
+        say(sentence, " and %u more", list->count - named);
+}
+
+static void say_traces(bb_summary *s)
+{
+    row_list tied = {.count = 0};
+    while (tied.count < s->builder_count && s->rows[tied.count].group == 0)
+        list_row(&tied, &s->rows[tied.count]);
+    if (tied.count == 0)
+        return;
+    const double best = s->rows[0].trace.value, worst = s->rows[tied.count - 1].trace.value;
+    bb_sentence *sentence = begin(s, "Fastest trace");
+    say_names(sentence, &tied);
+    if (s->reference != NULL && tied.count > 1)
+        say(sentence, ": %.2f to %.2f of %s, not told apart", worst, best, s->reference);
+    else if (s->reference != NULL)
+        say(sentence, ": %.2f of %s", best, s->reference);
+    else if (tied.count > 1)
+        say(sentence, ": not told apart");
+    const bb_summary_row *next = &s->rows[tied.count];
+    if (tied.count < s->builder_count && next->group == 1)
+        say(sentence, "; %s is %.0f %% slower", next->name, 100 * (1 - next->trace.value / best));
+}
+
+/* Which rows of the reference the others are divided by. */
+static void say_yardsticks(bb_summary *s)
+{
+    bb_sentence *sentence = NULL;
+    for (uint32_t i = s->builder_count; i < s->row_count; i++) {
+        const bb_summary_row *row = &s->rows[i];
+        if (row->yardstick == 0)
+            continue;
+        if (sentence == NULL) {
+            sentence = begin(s, "Reference");
+            say(sentence, "%s on %u of %u ray sets", row->name, row->yardstick, s->sets);
+        } else
+            say(sentence, ", %s on %u", row->name, row->yardstick);
+    }
+}
+
+/* Returns the figure of a row by which rows are compared. */
+typedef const bb_standing *(*pick)(const bb_summary_row *, uint32_t);
+
+static const bb_standing *pick_build(const bb_summary_row *row, uint32_t k)
+{
+    (void)k;
+    return &row->build;
+}
+
+static const bb_standing *pick_image(const bb_summary_row *row, uint32_t k)
+{
+    return &row->image[k];
+}
+
+/* The best builder, those tied with it, and the first behind them. */
+typedef struct podium {
+    const bb_summary_row *best, *next;
+    row_list tied;
+} podium;
+
+/* `sign` 1: larger figures are better; -1: smaller ones. */
+static podium find_podium(const bb_summary *s, pick figure, uint32_t k, double sign)
+{
+    podium p = {.best = NULL};
+    for (uint32_t i = 0; i < s->builder_count; i++) {
+        const bb_summary_row *row = &s->rows[i];
+        const bb_standing *standing = figure(row, k);
+        if (!isfinite(standing->value) || row->partial)
+            continue;
+        if (standing->best)
+            p.best = row;
+        else if (standing->tied)
+            list_row(&p.tied, row);
+        else if (p.next == NULL || sign * standing->value > sign * figure(p.next, k)->value)
+            p.next = row;
+    }
+    return p;
+}
+
+static void say_builds(bb_summary *s)
+{
+    podium p = find_podium(s, pick_build, 0, 1);
+    const bb_summary_row *last = NULL;
+    if (p.best == NULL)
+        return;
+    for (uint32_t i = 0; i < s->builder_count; i++)
+        if (isfinite(s->rows[i].build.value) && !s->rows[i].partial &&
+            (last == NULL || s->rows[i].build.value < last->build.value))
+            last = &s->rows[i];
+    double rate = p.best->build.value;
+    char text[32];
+    bb_sentence *sentence = begin(s, "Fastest build");
+    say(sentence, "%s, %.3g Mprims/s", p.best->name, rate);
+    if (p.tied.count > 0) {
+        say(sentence, ", not told from ");
+        say_names(sentence, &p.tied);
+    }
+    if (p.next != NULL)
+        say(sentence, "; %s %s", times_text(rate / p.next->build.value, text), p.next->name);
+    if (last != NULL && last != p.next && last != p.best)
+        say(sentence, ", %s %s", times_text(rate / last->build.value, text), last->name);
+}
+
+static void say_image_at(bb_summary *s, uint32_t k, const char *label)
+{
+    podium p = find_podium(s, pick_image, k, -1);
+    char text[32];
+    if (p.best == NULL)
+        return;
+    bb_sentence *sentence = begin(s, label);
+    say(sentence, "%s", p.best->name);
+    if (p.tied.count > 0) {
+        say(sentence, ", not told from ");
+        say_names(sentence, &p.tied);
+    }
+    if (p.next != NULL)
+        say(sentence, "; %s takes %s the time", p.next->name,
+            times_text(p.next->image[k].value, text));
+}
+
+/* Says who is first for how many rays. A builder keeps its place as long as this run cannot tell it
+ * from the best. Each number is the last that it held. */
+static void say_crossings(bb_summary *s)
+{
+    const bb_summary_row *holder = NULL;
+    bb_sentence *sentence = NULL;
+    char text[32];
+    for (uint32_t i = 0; i < BB_SUMMARY_CURVE; i++) {
+        const bb_summary_row *first = NULL;
+        for (uint32_t r = 0; r < s->builder_count; r++)
+            if (!s->rows[r].partial && isfinite(s->rows[r].curve[i]) &&
+                (first == NULL || s->rows[r].curve[i] < first->curve[i]))
+                first = &s->rows[r];
+        if (first == NULL)
+            return;
+        if (holder == NULL) {
+            holder = first;
+            sentence = begin(s, "Fastest image");
+        } else if (first != holder && !holder->curve_first[i]) {
+            say(sentence, "%s to %s rays; ", holder->name,
+                rays_text(bb_summary_curve_count(i - 1), text));
+            holder = first;
+        }
+    }
+    if (holder != NULL)
+        say(sentence, sentence->text[0] != '\0' ? "beyond, %s" : "%s for any number of rays",
+            holder->name);
+}
+
+static void say_answers(bb_summary *s)
+{
+    char text[32];
+    uint32_t named = 0, failed = 0, partial = 0;
+    bb_sentence *sentence = begin(s, "Right answers");
+    for (uint32_t i = 0; i < s->builder_count; i++) {
+        failed += s->rows[i].failed;
+        partial += s->rows[i].partial;
+    }
+    if (s->wrong == 0 && !(s->checked > 0)) {
+        say(sentence, "no answer was judged");
+    } else if (s->wrong == 0) {
+        say(sentence, "no wrong one in %s", rays_text(s->checked, text));
+        say(sentence, ", on %s different rays: below %.2g per million (95 %%)",
+            rays_text(s->distinct, text), bb_wrong_rate_of(0, s->distinct).high);
+    } else {
+        say(sentence, "WRONG: ");
+        for (uint32_t i = 0; i < s->builder_count; i++)
+            if (s->rows[i].wrong > 0 && named++ < 6)
+                say(sentence, "%s%s lost %.0f of %s", named > 1 ? ", " : "", s->rows[i].name,
+                    s->rows[i].wrong, rays_text(s->rows[i].checked, text));
+        say(sentence, " rays");
+    }
+    if (failed > 0)
+        say(sentence, "; %u builds or cells were refused or failed (--table says why)", failed);
+    if (partial > 0)
+        say(sentence, "; %u builders %s and have no rank", partial,
+            s->sets_differ ? "were not traced with the same rays: size or seed differ,"
+                           : "lack scenes or rays");
+    for (uint32_t i = s->builder_count; i < s->row_count; i++)
+        if (s->rows[i].wrong > 0)
+            say(sentence, "; %s lost %.0f of %s", s->rows[i].name, s->rows[i].wrong,
+                rays_text(s->rows[i].checked, text));
+}
+
+static void say_accuracy(bb_summary *s)
+{
+    char text[32];
+    if (s->accuracy_count < 2)
+        return;
+    bb_sentence *sentence = begin(s, "Intersectors");
+    say(sentence,
+        "on %s rays, wrong per million and speed: ", rays_text(s->accuracy[0].checked, text));
+    for (uint32_t i = 0; i < s->accuracy_count; i++) {
+        const bb_summary_accuracy *a = &s->accuracy[i];
+        double ppm = bb_wrong_rate_of(a->wrong, a->checked).ppm;
+        say(sentence, "%s%s ", i > 0 ? "; " : "", a->intersector);
+        if (a->wrong == 0)
+            say(sentence, "none");
+        else
+            say(sentence, ppm < 100 ? "%.2g" : "%.0f", ppm);
+        say(sentence, "%s, %.2fx",
+            a->wrong > 0 && a->wrong_t > 0.9 * a->wrong ? " (in distance)" : "", a->speed);
+    }
+    say(sentence, "; all else here is `exact`");
+}
+
+void bb_summary_say(bb_summary *summary)
+{
+    say_traces(summary);
+    if (summary->reference != NULL)
+        say_yardsticks(summary);
+    say_builds(summary);
+    say_crossings(summary);
+    say_image_at(summary, 1, "For 1 M rays");
+    say_image_at(summary, 4, "For 1 G rays");
+    say_answers(summary);
+    say_accuracy(summary);
+}
+
+/* The least and the largest error over the kinds of rays, as in "4 to 7 %". */
+typedef struct error_range {
+    double least, most;
+} error_range;
+
+static void widen(error_range *range, double error)
+{
+    range->least = fmin(range->least, 100 * error);
+    range->most = fmax(range->most, 100 * error);
+}
+
+static void say_range(bb_sentence *sentence, const char *before, const error_range *range)
+{
+    if (range->most - range->least < 0.5)
+        say(sentence, "%s%.2g %%", before, range->most);
+    else
+        say(sentence, "%s%.2g to %.2g %%", before, range->least, range->most);
+}
+
+/* With a lower correlation, a cost explains less than half of the variation between trees. */
+static const double telling_correlation = 0.7;
+
+static void say_mixes(bb_summary *summary, const bb_prediction_record *const *told, uint32_t count)
+{
+    error_range mix = {INFINITY, 0}, sah = mix, work = mix;
+    bb_sentence *sentence = begin(summary, "SAH and EPO");
+    say(sentence, "time per ray goes as (1 - a) SAH + a EPO:");
+    for (uint32_t i = 0; i < count; i++) {
+        const bb_prediction_record *r = told[i];
+        say(sentence, "%s a = %.2f (%.2f to %.2f) for %.40s", i > 0 ? "," : "", r->alpha,
+            r->alpha_least, r->alpha_most, r->rays);
+        widen(&mix, r->unseen_error);
+        widen(&sah, r->sah_error);
+        widen(&work, r->work_error);
+    }
+    say_range(sentence, "; a scene not fitted is off by ", &mix);
+    say_range(sentence, ", by SAH alone ", &sah);
+    say_range(sentence, ", by counted work ", &work);
+}
+
+static void say_untold(bb_summary *summary, const bb_prediction_record *const *untold,
+                       uint32_t count)
+{
+    bb_sentence *sentence = begin(summary, "SAH and EPO");
+    say(sentence, "no mix of the two tells the time per ray of");
+    for (uint32_t i = 0; i < count; i++)
+        say(sentence, "%s %.40s (correlation %.2f)", i > 0 ? "," : "", untold[i]->rays,
+            untold[i]->mix_correlation);
+    say(sentence, " here, whether because of the rays or of noise");
+}
+
+bb_status bb_summary_say_predictions(const bb_results *results, const bb_summary_choice *choice,
+                                     bb_summary *summary)
+{
+    enum { KINDS = 8 };
+    bb_predictions made;
+    const bb_prediction_record *told[KINDS], *untold[KINDS];
+    uint32_t told_count = 0, untold_count = 0;
+    if (choice->scene != NULL)
+        return BB_OK;
+    BB_TRY(bb_predictions_make(results, &made));
+    for (uint32_t i = 0; i < made.count; i++) {
+        const bb_prediction_record *r = &made.kinds[i].record;
+        if (!isfinite(r->unseen_error) ||
+            (choice->rays != NULL && strcmp(choice->rays, r->rays) != 0))
+            continue;
+        if (r->mix_correlation >= telling_correlation && told_count < KINDS)
+            told[told_count++] = r;
+        else if (!(r->mix_correlation >= telling_correlation) && untold_count < KINDS)
+            untold[untold_count++] = r;
+    }
+    if (told_count > 0)
+        say_mixes(summary, told, told_count);
+    if (untold_count > 0)
+        say_untold(summary, untold, untold_count);
+    bb_predictions_free(&made);
+    return BB_OK;
+}

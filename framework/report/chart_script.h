@@ -1,0 +1,16 @@
+/* Writes the charts as a script for gnuplot (5.0 or later), which draws each as SVG and PNG. */
+#ifndef BB_CHART_SCRIPT_H
+#define BB_CHART_SCRIPT_H
+
+#include "framework/report/chart.h"
+
+#include <stdio.h>
+
+/* Writes the script. For each scene and rays, over all views, there are pictures of kernels' speed
+ * against wrong answers, of builders' time against wrong answers, of time to n rays, and of speed
+ * against SAH and other measured metrics of trees. `pictures` gets their number. The script writes
+ * NAME.svg and NAME.png into gnuplot's current folder. Names from the records occur in it only as
+ * quoted text. */
+bb_status bb_charts_script(const bb_charts *charts, FILE *out, uint32_t *pictures);
+
+#endif
