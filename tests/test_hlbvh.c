@@ -188,7 +188,7 @@ static void a_decision_names_who_made_it(void **state)
         box_build b;
         bb_decisions decisions = {0};
         open_box_build(&b, devices[first_form()], cases[i].builder, boxes, 20, "decisions");
-        bb_instance_decisions(&b.instance, &b.scene, &decisions);
+        ASSERT_OK(bb_instance_decisions(&b.instance, &b.scene, &decisions));
         const bb_decision *decision = find_decision(&decisions, "top bits");
         assert_non_null(decision);
         assert_int_equal(decision->by, cases[i].by);

@@ -155,7 +155,7 @@ static uint64_t build(const char *builder, bb_scene *scene, bb_decisions *decisi
     bb_instance instance;
     check(bb_instance_create(device, builder, scene, 1, &instance), builder);
     check(bb_instance_build(&instance, scene, false, NULL), builder);
-    bb_instance_decisions(&instance, scene, decisions);
+    check(bb_instance_decisions(&instance, scene, decisions), builder);
     check(bb_tree_download(&instance.tree, NULL), builder);
     check(bb_tree_check(&instance.tree, scene), builder);
     uint64_t hash;
@@ -238,7 +238,7 @@ static void an_object_decides_for_each_scene(void **state)
             bb_decisions fresh = {0}, again = {0};
             check(bb_instance_build(&instance, both[turn % 2], false, NULL), builders[i]);
             check(bb_tree_download(&instance.tree, NULL), builders[i]);
-            bb_instance_decisions(&instance, both[turn % 2], &again);
+            check(bb_instance_decisions(&instance, both[turn % 2], &again), builders[i]);
             uint64_t hash = build(builders[i], both[turn % 2], &fresh), own;
             check(bb_tree_hash(&instance.tree, &own), builders[i]);
             if (own != hash)

@@ -27,20 +27,23 @@ static const term terms[] = {
     {"environment", "the environment's variables"},
 };
 
-static const char *const hooks[] = {"create", "prepare", "restore", "build", "describe"};
+static const char *const hooks[] = {"create", "prepare", "restore", "build", "describe", "decide"};
 
 static bb_scene *scene;
 
-/* Creates, builds, describes. */
+/* Creates, builds, describes, says what it decided. */
 static bb_status go_through(const char *text)
 {
     bb_instance instance;
+    bb_decisions decisions;
     char words[512];
     bb_status status = bb_instance_create(device, text, scene, seed, &instance);
     if (status == BB_OK)
         status = bb_instance_build(&instance, scene, false, NULL);
     if (status == BB_OK)
         status = bb_instance_describe(&instance, scene, words, sizeof words);
+    if (status == BB_OK)
+        status = bb_instance_decisions(&instance, scene, &decisions);
     bb_instance_destroy(&instance);
     return status;
 }

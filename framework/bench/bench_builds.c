@@ -191,7 +191,7 @@ static bb_status measure_tree(bb_bench *bench, bb_entrant *entrant)
     BB_TRY(measure_stages(entrant));
     BB_TRY(bb_instance_describe(&entrant->resident->instance, bench->scene, record->about,
                                 sizeof record->about));
-    bb_instance_decisions(&entrant->resident->instance, bench->scene, &record->decisions);
+    BB_TRY(bb_instance_decisions(&entrant->resident->instance, bench->scene, &record->decisions));
     BB_TRY(bb_bench_end(bench, step, "check trees, SAH", BB_OK));
     return bb_bench_owns_builds(bench) ? measure_metrics(bench, entrant, true) : BB_OK;
 }

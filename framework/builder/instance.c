@@ -243,7 +243,8 @@ bb_status bb_instance_describe(bb_instance *instance, const bb_scene *scene, cha
     return BB_OK;
 }
 
-void bb_instance_decisions(bb_instance *instance, const bb_scene *scene, bb_decisions *decisions)
+bb_status bb_instance_decisions(bb_instance *instance, const bb_scene *scene,
+                                bb_decisions *decisions)
 {
     decisions->count = 0;
     for (uint32_t i = 0; i < instance->pipeline.count; i++) {
@@ -251,6 +252,10 @@ void bb_instance_decisions(bb_instance *instance, const bb_scene *scene, bb_deci
         if (stage->builder->decide == NULL)
             continue;
         bb_scene part = bb_stage_part(instance, i, scene);
+        bb_terms terms;
+        bb_terms_take(&terms);
         stage->builder->decide(stage->self, &part, decisions);
+        BB_TRY(bb_terms_check(&terms, instance->pipeline.stages[i].label, "decide", BB_OK));
     }
+    return BB_OK;
 }

@@ -105,7 +105,8 @@ bb_status bb_instance_describe(bb_instance *instance, const bb_scene *scene, cha
                                size_t capacity);
 
 /* The stages' decisions for the last build. */
-void bb_instance_decisions(bb_instance *instance, const bb_scene *scene, bb_decisions *decisions);
+bb_status bb_instance_decisions(bb_instance *instance, const bb_scene *scene,
+                                bb_decisions *decisions);
 
 /* Properties of all stages together. */
 uint32_t bb_instance_inputs(const bb_instance *instance);   /* BB_INPUT_... of the scene */

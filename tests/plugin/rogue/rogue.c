@@ -42,7 +42,7 @@ static const bb_option options[] = {
     {"term", "none",
      "none|rounding|denormals|locale|handler|mask|limit|processors|folder|umask|environment",
      "changes this of the process"},
-    {"at", "build", "create|prepare|restore|build|describe|destroy", "in this hook"},
+    {"at", "build", "create|prepare|restore|build|describe|decide|destroy", "in this hook"},
     {"view", NULL, NULL, "a view to look at"},
     {.name = NULL},
 };
@@ -274,6 +274,12 @@ static bb_status describe(void *opaque, const bb_scene *scene, char *text, size_
     return BB_OK;
 }
 
+static void decide(void *opaque, const bb_scene *scene, bb_decisions *decisions)
+{
+    (void)scene, (void)decisions;
+    meddle(opaque, "decide");
+}
+
 static bb_status update(void *opaque, const bb_scene *scene, uint32_t changed, bb_tree *tree,
                         bb_phases *phases)
 {
@@ -313,5 +319,6 @@ const bb_builder bb_builder_rogue = {
     .update = update,
     .restore = restore,
     .describe = describe,
+    .decide = decide,
     .destroy = destroy,
 };
