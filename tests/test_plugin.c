@@ -46,6 +46,16 @@ static void test_refusals(void **state)
     expect_refusal(path_of("file.so"), "there is a device file lanes.clh already");
 }
 
+static void test_constructor(void **state)
+{
+    (void)state;
+    const mode_t before = umask(027);
+    expect_refusal(path_of("constructor.so"), "changed the umask in dlopen()");
+    assert_non_null(strstr(bb_message(), "its constructors do so"));
+    assert_null(bb_builder_find("constructor"));
+    assert_int_equal(umask(before), 027);
+}
+
 /* A truncated shared object is refused before the loader maps what is not there. */
 static void test_truncated(void **state)
 {
@@ -353,10 +363,10 @@ static void test_sole(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_refusals),      cmocka_unit_test(test_truncated),
-        cmocka_unit_test(test_median_builds), cmocka_unit_test(test_validation),
-        cmocka_unit_test(test_phases),        cmocka_unit_test(test_failed_create),
-        cmocka_unit_test(test_sole),
+        cmocka_unit_test(test_refusals),      cmocka_unit_test(test_constructor),
+        cmocka_unit_test(test_truncated),     cmocka_unit_test(test_median_builds),
+        cmocka_unit_test(test_validation),    cmocka_unit_test(test_phases),
+        cmocka_unit_test(test_failed_create), cmocka_unit_test(test_sole),
     };
     return cmocka_run_group_tests_name("plugin", tests, NULL, NULL);
 }
