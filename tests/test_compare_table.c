@@ -1,85 +1,9 @@
 /* Tables of results compared and kept in the history, whatever command made them. */
 #include "framework/compare/cell_set.h"
 #include "framework/compare/history.h"
-#include "framework/device/run_row.h"
-#include "tests/program_fixture.h"
+#include "tests/slice_table.h"
 
-#include <math.h>
 #include <sys/stat.h>
-
-#define COLUMN(name, heading, unit, kind, sense, better)                                           \
-    {                                                                                              \
-        name, heading, unit, "A figure.", BB_COLUMN_##kind, BB_SENSE_##sense, BB_BETTER_##better,  \
-            -1                                                                                     \
-    }
-static const bb_column build_ms = COLUMN("build_ms", "build", "ms", ROUNDS, TIMED, LESS);
-static const bb_column search_ms = COLUMN("search_ms", "search", "ms", ROUNDS, TIMED, LESS);
-static const bb_column rate = COLUMN("rate", "rate", "1/s", ROUNDS, TIMED, MORE);
-static const bb_column waited_ms = COLUMN("waited_ms", "waited", "ms", NUMBER, TIMED, LESS);
-static const bb_column nodes = COLUMN("nodes", "nodes", "", NUMBER, EXACT, NEITHER);
-static const bb_column differ = COLUMN("differ", "differ", "voxels", NUMBER, EXACT, LESS);
-static const bb_column found = COLUMN("found", "found", "", NUMBER, EXACT, MORE);
-static const bb_column scene_hash = COLUMN("hash", "hash", "", TEXT, EXACT, NEITHER);
-static const bb_column status = COLUMN("status", "status", "", TEXT, EXACT, NEITHER);
-
-enum { ROUNDS = 20 };
-
-static bb_samples rounds_about(double ms)
-{
-    bb_samples samples = {0};
-    for (int i = 0; i < ROUNDS; i++)
-        bb_samples_add(&samples, ms * (1 + 0.001 * ((7 * i) % ROUNDS)));
-    return samples;
-}
-
-/* How a table differs from the usual one. */
-typedef struct change {
-    double search, nodes, differ, found, waited, rate;
-    const char *hash, *status, *device;
-} change;
-
-static const change none = {.search = 1, .found = 5, .nodes = 99, .waited = 1, .rate = 1};
-
-static bb_table *make_table(change c)
-{
-    static const char *const builders[] = {"lbvh", "emc:bits=32/x"};
-    bb_table *table;
-    ASSERT_OK(bb_table_create("slice", &table));
-    const uint32_t run = bb_run_row(table, NULL, 7, "bvhbench slice");
-    bb_table_set_text(table, run, &bb_run_columns[BB_RUN_DEVICE],
-                      c.device != NULL ? c.device : "a card");
-    bb_table_set_text(table, run, &bb_run_columns[BB_RUN_HOST], "here");
-    bb_table_set_number(table, run, &nodes, 1e6 * c.search); /* of no cell: it is not compared */
-    const uint32_t scene = bb_table_row(table, (bb_cell){{[BB_SCENE] = "tets"}});
-    bb_table_set_text(table, scene, &scene_hash, c.hash != NULL ? c.hash : "0123456789abcdef");
-    for (int b = 0; b < 2; b++) {
-        const bb_samples build = rounds_about(20), search = rounds_about(b == 0 ? 3 * c.search : 3),
-                         speed = rounds_about(c.rate);
-        const uint32_t row = bb_table_row(table, (bb_cell){{[BB_SCENE] = "tets",
-                                                            [BB_QUESTION] = "z",
-                                                            [BB_BUILDER] = builders[b],
-                                                            [BB_INTERSECTOR] = "skip"}});
-        bb_table_set_rounds(table, row, &build_ms, &build);
-        bb_table_set_rounds(table, row, &search_ms, &search);
-        bb_table_set_rounds(table, row, &rate, &speed);
-        bb_table_set_number(table, row, &waited_ms, c.waited);
-        bb_table_set_number(table, row, &nodes, c.nodes);
-        bb_table_set_number(table, row, &differ, c.differ);
-        bb_table_set_number(table, row, &found, c.found);
-        bb_table_set_text(table, row, &status, b == 1 ? c.status : NULL);
-    }
-    ASSERT_OK(bb_table_status(table));
-    return table;
-}
-
-static void write_table(const char *name, change c)
-{
-    char path[600];
-    bb_table *table = make_table(c);
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    ASSERT_OK(bb_table_write(table, path));
-    bb_table_free(table);
-}
 
 static void rows_become_cells(void **state)
 {
@@ -372,54 +296,6 @@ static void commands_write_what_is_compared(void **state)
             "/nowhere/a.db");
 }
 
-/* Merging refuses what would mix devices or geometries, and runs that are no numbers. */
-static void what_cannot_be_merged_is_refused(void **state)
-{
-    (void)state;
-    change c = none;
-    write_table("a.json", none);
-    c.device = "another card";
-    write_table("device.json", c);
-    refuses("", "merge a.json device.json --out m --history none.db", "measured on another card");
-    c = none;
-    c.hash = "fedcba9876543210";
-    write_table("scene.json", c);
-    refuses("", "merge a.json scene.json --out m --history none.db", "other geometry");
-    bb_table *table = make_table(none);
-    char path[600];
-    bb_table_row(table, (bb_cell){{[BB_RUN] = "x"}});
-    snprintf(path, sizeof path, "%s/numbers.json", folder);
-    ASSERT_OK(bb_table_write(table, path));
-    bb_table_free(table);
-    refuses("", "merge a.json numbers.json --out m --history none.db", "the run 'x' is no number");
-    refuses("", "report --history none.db", "none.db"); /* nothing was appended */
-}
-
-/* Pictures of one name are both kept. */
-static void pictures_of_both_runs_are_kept(void **state)
-{
-    (void)state;
-    static const bb_column picture = COLUMN("picture", "picture", "", TEXT, EXACT, NEITHER);
-    char path[600], text[64];
-    for (int i = 0; i < 2; i++) {
-        bb_table *table = make_table(none);
-        snprintf(path, sizeof path, "%s/p%d", folder, i);
-        assert_int_equal(mkdir(path, 0777), 0);
-        bb_table_set_text(table, bb_table_find(table, (bb_cell){{[BB_SCENE] = "tets"}}), &picture,
-                          "a.png");
-        snprintf(path, sizeof path, "%s/p%d/slice.json", folder, i);
-        ASSERT_OK(bb_table_write(table, path));
-        bb_table_free(table);
-        snprintf(text, sizeof text, "p%d/a.png", i);
-        write_file(text, i == 0 ? "one" : "two", 3);
-    }
-    expect(0, "merge p0/slice.json p1/slice.json --out pm", "");
-    read_file("pm/a.png", text, sizeof text);
-    assert_string_equal(text, "one");
-    read_file("pm/2-a.png", text, sizeof text);
-    assert_string_equal(text, "two");
-}
-
 static void damaged_tables_are_refused(void **state)
 {
     (void)state;
@@ -442,8 +318,6 @@ int main(void)
         cmocka_unit_test(files_of_tables_are_compared),
         cmocka_unit_test(tables_are_told_from_results),
         cmocka_unit_test(commands_write_what_is_compared),
-        cmocka_unit_test(what_cannot_be_merged_is_refused),
-        cmocka_unit_test(pictures_of_both_runs_are_kept),
         cmocka_unit_test(damaged_tables_are_refused),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);

@@ -12,6 +12,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 enum { PICTURE_BYTES_MAX = 64 << 20 };
 
@@ -100,13 +101,42 @@ static bool say_missing(const part *parts, uint32_t count)
 
 /* ---- the folder ---- */
 
-/* Copies a picture that lies beside the part's file, under a plain file name. The page names those
- * that are missing. */
+/* Refuses the folder of an input, whose results and pictures would be replaced. */
+static bb_status check_out(const bb_cli *cli, const char *out)
+{
+    struct stat folder, other;
+    for (uint32_t i = 0; i < cli->positional_count; i++) {
+        char path[PATH_MAX];
+        BB_TRY(bb_input_path(cli->positional[i], path));
+        char *beside = bb_file_folder(path);
+        if (beside == NULL)
+            return bb_fail(BB_FAILED, "merge: no memory");
+        const bool same = stat(out, &folder) == 0 && stat(beside, &other) == 0 &&
+                          folder.st_dev == other.st_dev && folder.st_ino == other.st_ino;
+        free(beside);
+        if (same)
+            return bb_fail(BB_INVALID,
+                           "merge: %s lies in %s, where the merged run would go: name another "
+                           "folder with --out",
+                           path, out);
+    }
+    return BB_OK;
+}
+
+/* Whether it is the plain name of a picture, not of a file elsewhere or of results. */
+static bool is_picture(const char *name)
+{
+    const char *end = strrchr(name, '.');
+    return strchr(name, '/') == NULL && end != NULL && end > name && name[0] != '.' &&
+           strcmp(end, ".png") == 0;
+}
+
+/* Copies a picture that lies beside the part's file. The page names those that are missing. */
 static bb_status copy_picture(const part *p, const char *name, const char *folder, const char *as)
 {
     char path[PATH_MAX], source[PATH_MAX], target[PATH_MAX], *data = NULL;
     size_t size;
-    if (strchr(name, '/') != NULL || name[0] == '.' || name[0] == '\0')
+    if (!is_picture(name))
         return BB_OK;
     BB_TRY(bb_input_path(p->argument, path));
     char *from = bb_file_folder(path);
@@ -149,12 +179,11 @@ static bb_status write_folder(const merging *m)
     BB_TRY(bb_join_path(json, m->out, name));
     snprintf(name, sizeof name, "%s.html", results != NULL ? "report" : command);
     BB_TRY(bb_join_path(html, m->out, name));
-    for (uint32_t i = 0; i < m->count; i++)
-        BB_TRY(copy_pictures(&m->parts[i], m->out));
-    if (results != NULL) {
-        BB_TRY(bb_keep_earlier(m->out, false));
+    BB_TRY(bb_keep_earlier(m->out, command, false));
+    for (uint32_t i = m->count; i > 0; i--) /* of two with one name, that of the first run stays */
+        BB_TRY(copy_pictures(&m->parts[i - 1], m->out));
+    if (results != NULL)
         BB_TRY(bb_predictions_record(results));
-    }
     BB_TRY(bb_table_write(bb_table_of_file(&m->all), json));
     BB_TRY(results != NULL ? bb_report_html(results, m->out, html)
                            : bb_report_table_page(bb_table_of_file(&m->all), m->out, html));
@@ -195,12 +224,19 @@ static bb_status add_part(merging *m, part *p, bool shards)
                                   : bb_table_merge(all->other, bb_table_of_file(&p->file));
 }
 
-/* Whole runs are appended one by one. */
+/* Whole runs are appended each as one, all or none. */
 static bb_status append(const merging *m, bool shards)
 {
-    for (uint32_t i = 0; i < m->count && !shards; i++)
-        BB_TRY(bb_output_append(m->history, bb_table_of_file(&m->parts[i].file)));
-    return shards ? bb_output_append(m->history, bb_table_of_file(&m->all)) : BB_OK;
+    if (shards || m->history == NULL)
+        return bb_output_append(m->history, bb_table_of_file(&m->all));
+    const bb_table **tables = calloc(m->count, sizeof *tables);
+    if (tables == NULL)
+        return bb_fail(BB_FAILED, "merge: no memory");
+    for (uint32_t i = 0; i < m->count; i++)
+        tables[i] = bb_table_of_file(&m->parts[i].file);
+    bb_status status = bb_output_append_all(m->history, tables, m->count);
+    free(tables);
+    return status;
 }
 
 static bb_status merge(const bb_cli *cli, merging *m)
@@ -239,8 +275,10 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
     if (m->parts == NULL)
         return bb_fail(BB_FAILED, "merge: no memory");
     m->count = count;
-    if (m->out != NULL)
+    if (m->out != NULL) {
         BB_TRY(bb_out_folder(m->out));
+        BB_TRY(check_out(cli, m->out));
+    }
     BB_TRY(merge(cli, m));
     if (say_missing(m->parts, count))
         *exit_status = BB_EXIT_WRONG;

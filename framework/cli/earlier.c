@@ -8,8 +8,18 @@
 #include <sys/stat.h>
 #include <time.h>
 
-/* Files that are moved. The results are last: if another file cannot be moved, they stay. */
-static const char *const moved[] = {"report.html", "tables.txt", "report-charts", "results.json"};
+enum { MOVED = 4 };
+
+/* Names of the files that are moved. The results are last: if another file cannot be moved, they
+ * stay. */
+static void name_moved(const char *command, char names[MOVED][80])
+{
+    const bool run = strcmp(command, "run") == 0;
+    snprintf(names[0], sizeof names[0], "%.64s.html", run ? "report" : command);
+    snprintf(names[1], sizeof names[1], "%s", run ? "tables.txt" : "");
+    snprintf(names[2], sizeof names[2], "%s", run ? "report-charts" : "");
+    snprintf(names[3], sizeof names[3], "%.64s.json", run ? "results" : command);
+}
 
 static bb_status make(const char *path)
 {
@@ -41,15 +51,18 @@ static bb_status make_place(const char *folder, time_t written, char place[PATH_
                    strerror(errno));
 }
 
-bb_status bb_keep_earlier(const char *folder, bool quiet)
+bb_status bb_keep_earlier(const char *folder, const char *command, bool quiet)
 {
-    char path[PATH_MAX], place[PATH_MAX], target[PATH_MAX];
+    char path[PATH_MAX], place[PATH_MAX], target[PATH_MAX], moved[MOVED][80];
     struct stat info;
-    BB_TRY(bb_join_path(path, folder, "results.json"));
+    name_moved(command, moved);
+    BB_TRY(bb_join_path(path, folder, moved[MOVED - 1]));
     if (stat(path, &info) != 0)
         return BB_OK;
     BB_TRY(make_place(folder, info.st_mtime, place));
-    for (size_t i = 0; i < sizeof moved / sizeof moved[0]; i++) {
+    for (int i = 0; i < MOVED; i++) {
+        if (moved[i][0] == '\0')
+            continue;
         BB_TRY(bb_join_path(path, folder, moved[i]));
         BB_TRY(bb_join_path(target, place, moved[i]));
         if (rename(path, target) != 0 && errno != ENOENT)

@@ -6,9 +6,9 @@
 
 #include <stdbool.h>
 
-/* Moves what an earlier run left in `folder` (its results, page, tables and charts; its pictures
- * stay) into FOLDER/earlier/DATE, a new folder named by the time of that run. Reports this on
- * standard error unless `quiet`. */
-bb_status bb_keep_earlier(const char *folder, bool quiet);
+/* Moves what an earlier `command` left in `folder` (its results and page; of "run" also its tables
+ * and charts; its pictures stay) into FOLDER/earlier/DATE, a new folder named by the time of those
+ * results. Reports this on standard error unless `quiet`. */
+bb_status bb_keep_earlier(const char *folder, const char *command, bool quiet);
 
 #endif

@@ -101,14 +101,19 @@ static bb_status print(const bb_comparison *c, bb_results *results, const places
     return BB_OK;
 }
 
-bb_status bb_output_append(const char *database, const bb_table *table)
+bb_status bb_output_append_all(const char *database, const bb_table *const *tables, uint32_t count)
 {
     bb_history *history = NULL;
     bb_status status = database != NULL ? bb_history_open(database, true, &history) : BB_OK;
-    if (status == BB_OK && history != NULL && table != NULL)
-        status = bb_history_append(history, table);
+    if (status == BB_OK && history != NULL && count > 0)
+        status = bb_history_append_all(history, tables, count);
     bb_history_close(history);
     return status;
+}
+
+bb_status bb_output_append(const char *database, const bb_table *table)
+{
+    return bb_output_append_all(database, &table, table != NULL ? 1 : 0);
 }
 
 /* Appends the run to the history. The results are written before, so that they can be appended
@@ -130,7 +135,7 @@ static bb_status write_files(const bb_comparison *c, bb_results *results,
 {
     failure first = {.status = BB_OK};
     const double start = bb_wall_ms();
-    BB_TRY(bb_keep_earlier(c->folder, c->quiet));
+    BB_TRY(bb_keep_earlier(c->folder, "run", c->quiet));
     bb_status status = bb_results_write(results, p->json);
     if (status != BB_OK)
         return bb_fail(status, "%s (only what was printed is kept: choose another --out)",
@@ -197,7 +202,8 @@ static bb_status keep(bb_results *results, const bb_comparison *c, bb_status sta
     keep_first(&first, status);
     snprintf(json, sizeof json, "%s/results.json", c->folder);
     if (bb_first(bb_results_section(results, BB_BUILDS)) == NULL ||
-        bb_results_set_interrupted(results) != BB_OK || bb_keep_earlier(c->folder, true) != BB_OK ||
+        bb_results_set_interrupted(results) != BB_OK ||
+        bb_keep_earlier(c->folder, "run", true) != BB_OK ||
         bb_results_write(results, json) != BB_OK)
         return bb_fail(status, "%s", first.reason);
     return bb_fail(status, "%s (earlier measurements are in %s)", first.reason, json);

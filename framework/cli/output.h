@@ -33,6 +33,8 @@ bb_status bb_output_compare(const bb_comparison *comparison, int *exit_status);
 /* Appends a table to the database, which is made if there is none. NULL stands for no database, and
  * a table that is NULL only finds out whether the database can be written. */
 bb_status bb_output_append(const char *database, const bb_table *table);
+/* Does so with several tables, all or none, each as a run of its own. */
+bb_status bb_output_append_all(const char *database, const bb_table *const *tables, uint32_t count);
 
 #define BB_HISTORY_OPTION(type, member)                                                            \
     {                                                                                              \

@@ -283,32 +283,38 @@ static bb_status finish(bb_history *history, bb_status status)
     return status;
 }
 
-/* Appends the set, if `status` says that it could be made, and frees it. */
-static bb_status append_set(bb_history *history, bb_status status, bb_cell_set *set, const about *a)
-{
-    int64_t run = 0;
-    if (status == BB_OK)
-        status = bb_history_exec(history, "BEGIN IMMEDIATE", "append to it");
-    if (status == BB_OK) {
-        status = append_run(history, &set->origin, a, &run);
-        if (status == BB_OK)
-            status = append_cells(history, set, run);
-        status = finish(history, status);
-    }
-    bb_cell_set_free(set);
-    return status;
-}
-
-bb_status bb_history_append(bb_history *history, const bb_table *table)
+static bb_status append_table(bb_history *history, const bb_table *table)
 {
     bb_cell_set set;
+    int64_t id = 0;
     const uint32_t run = bb_table_find(table, (bb_cell){{NULL}});
     const about a = {.version = bb_table_get_text(table, run, "version"),
                      .opencl = bb_table_get_text(table, run, "opencl"),
                      .flags = bb_table_get_text(table, run, "build_flags"),
                      .kernels = bb_table_get_text(table, run, "kernels"),
                      .command = bb_table_get_text(table, run, "command")};
-    return append_set(history, bb_cell_set_of_table(table, "this run", &set), &set, &a);
+    bb_status status = bb_cell_set_of_table(table, "this run", &set);
+    if (status == BB_OK)
+        status = append_run(history, &set.origin, &a, &id);
+    if (status == BB_OK)
+        status = append_cells(history, &set, id);
+    bb_cell_set_free(&set);
+    return status;
+}
+
+bb_status bb_history_append_all(bb_history *history, const bb_table *const *tables, uint32_t count)
+{
+    bb_status status = bb_history_exec(history, "BEGIN IMMEDIATE", "append to it");
+    if (status != BB_OK)
+        return status;
+    for (uint32_t i = 0; i < count && status == BB_OK; i++)
+        status = append_table(history, tables[i]);
+    return finish(history, status);
+}
+
+bb_status bb_history_append(bb_history *history, const bb_table *table)
+{
+    return bb_history_append_all(history, &table, 1);
 }
 
 bb_status bb_history_append_floor(bb_history *history, const bb_origin *o, const bb_floor *floor)

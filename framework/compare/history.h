@@ -17,6 +17,8 @@ void bb_history_close(bb_history *history);
 /* Appends all cells of a table (bb_cell_set_of_table()) as one run, in one transaction. After a
  * failure (BB_INVALID, BB_FAILED) the file is as before. */
 bb_status bb_history_append(bb_history *history, const bb_table *table);
+/* Appends several tables, each as one run, in one transaction: all or none. */
+bb_status bb_history_append_all(bb_history *history, const bb_table *const *tables, uint32_t count);
 
 /* Keeps a floor of separate runs for the machine and revision of `origin`. */
 bb_status bb_history_append_floor(bb_history *history, const bb_origin *origin,

@@ -427,6 +427,17 @@ void bb_table_set_rounds(bb_table *table, uint32_t row, const bb_column *column,
     place->rounds = copy;
 }
 
+/* In what two columns of one name are not the same figure; NULL: in nothing. */
+static const char *difference(const bb_column *a, const bb_column *b)
+{
+    return a->kind != b->kind ? "it is of two kinds in the tables that are put together"
+           : strcmp(a->unit, b->unit) != 0 ? "it has two units in the tables that are put together"
+           : a->sense != b->sense ? "it is exact in one of the tables that are put together alone"
+           : a->better != b->better
+               ? "it has two senses of better in the tables that are put together"
+               : NULL;
+}
+
 /* The column of that name, which is added if there is none; NULL after a fault. */
 static const bb_column *column_like(bb_table *table, const bb_stored_column *like)
 {
@@ -437,11 +448,11 @@ static const bb_column *column_like(bb_table *table, const bb_stored_column *lik
         bb_table_add_column(table, *like->column);
         known = bb_table_column_named(table, like->column->name);
     }
-    if (known != NULL && known->kind != like->column->kind) {
-        blame(table, known, "it is of two kinds in the tables that are put together");
-        return NULL;
-    }
-    return known;
+    const char *fault = known != NULL ? difference(known, like->column) : NULL;
+    if (fault == NULL)
+        return known;
+    blame(table, known, fault);
+    return NULL;
 }
 
 void bb_table_copy(bb_table *table, uint32_t row, const bb_table *from, uint32_t from_row)

@@ -119,7 +119,7 @@ void bb_table_set_rounds(bb_table *table, uint32_t row, const bb_column *column,
 void bb_table_add_column(bb_table *table, bb_column column);
 
 /* Puts all values of a row of another table into a row of this one, with the columns that it lacks.
- * BB_INVALID, as above, if two columns of one name are of different kinds. */
+ * BB_INVALID, as above, if two columns of one name differ in kind, unit, sense or better. */
 void bb_table_copy(bb_table *table, uint32_t row, const bb_table *from, uint32_t from_row);
 
 /* ---- runs of a merged table (table_runs.c) ---- */
