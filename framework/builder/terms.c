@@ -131,9 +131,10 @@ static bool folder_changed(const bb_terms *terms)
            now.st_ino != terms->folder.st_ino;
 }
 
+/* It can only be read by setting it. Meanwhile, files that other threads make are too private. */
 static mode_t umask_now(void)
 {
-    const mode_t now = umask(0);
+    const mode_t now = umask(077);
     umask(now);
     return now;
 }
