@@ -5,8 +5,11 @@
 #include "framework/builder/terms.h"
 #include "tests/device_fixture.h"
 
+#include <dlfcn.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 typedef struct term {
     const char *name, *words;
@@ -105,11 +108,92 @@ static void a_failure_is_not_hidden(void **state)
     assert_int_equal(fegetround(), FE_TONEAREST);
 }
 
+/* ---- a builder whose build() fails, and whose destroy() does not leave it at that ---- */
+
+static struct {
+    uint32_t now, taken, read; /* calls that are counted: when terms and the input were looked at */
+    bool right;                /* in that order, when build() was called */
+} calls;
+
+mode_t umask(mode_t mask)
+{
+    calls.taken = ++calls.now;
+    return (mode_t)syscall(SYS_umask, mask);
+}
+
+void *clEnqueueMapBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking,
+                         cl_map_flags flags, size_t offset, size_t size, cl_uint count,
+                         const cl_event *waits, cl_event *event, cl_int *error)
+{
+    __typeof__(&clEnqueueMapBuffer) real;
+    *(void **)&real = dlsym(RTLD_NEXT, "clEnqueueMapBuffer");
+    calls.read = ++calls.now;
+    return real(queue, buffer, blocking, flags, offset, size, count, waits, event, error);
+}
+
+static bb_status create_late(const bb_builder_context *context, void **self)
+{
+    (void)context;
+    *self = &calls;
+    return BB_OK;
+}
+
+static bb_status build_late(void *self, const bb_scene *part, const bb_tree *input, bb_tree *tree,
+                            bb_phases *phases)
+{
+    (void)self, (void)part, (void)input, (void)tree, (void)phases;
+    calls.right = calls.taken < calls.read;
+    return bb_fail(BB_REFUSED, "late: no room for nodes");
+}
+
+static void destroy_late(void *self)
+{
+    (void)self;
+    umask(0);
+    (void)bb_fail(BB_FAILED, "late: nothing is to be destroyed");
+}
+
+static const bb_builder late = {.abi_version = BB_ABI_VERSION,
+                                .name = "late",
+                                .summary = "fails in build()",
+                                .paper = "none",
+                                .kinds = BB_ALL_KINDS,
+                                .inputs = BB_INPUT_BOXES,
+                                .create = create_late,
+                                .build = build_late,
+                                .destroy = destroy_late};
+
+static void destroy_leaves_the_message(void **state)
+{
+    (void)state;
+    const mode_t before = umask(027);
+    assert_int_equal(go_through("late"), BB_REFUSED);
+    assert_string_equal(bb_message(), "late: no room for nodes");
+    assert_int_equal(umask(before), 027);
+}
+
+/* To take the terms is to read and write memory, which the input then would have to share the
+ * caches with. Only a CPU's buffers are read. */
+static void the_input_is_read_after_the_terms_were_taken(void **state)
+{
+    (void)state;
+    if (!device->is_cpu)
+        skip();
+    ASSERT_OK(bb_scene_upload(scene, device));
+    calls.read = calls.taken = 0;
+    assert_int_equal(go_through("late"), BB_REFUSED);
+    assert_true(calls.read > 0 && calls.taken > 0);
+    assert_true(calls.right);
+}
+
 static int begin(void **state)
 {
     setenv("LC_ALL", "C.UTF-8", 1); /* what setlocale(LC_ALL, "") sets */
     if (open_device(state) != 0 || bb_plugin_load(BB_TEST_PLUGIN_DIR "/rogue.so") != BB_OK)
         return -1;
+    static const bb_registration registration = {BB_PLUGIN_MAGIC, BB_ABI_VERSION,
+                                                 sizeof registration, &late, NULL};
+    ASSERT_OK(bb_builder_add(&registration));
     ASSERT_OK(bb_scene_load("cube", &scene));
     return 0;
 }
@@ -126,6 +210,8 @@ int main(void)
         cmocka_unit_test(a_change_fails_its_hook_and_is_put_back),
         cmocka_unit_test(what_destroy_changes_is_put_back),
         cmocka_unit_test(a_failure_is_not_hidden),
+        cmocka_unit_test(destroy_leaves_the_message),
+        cmocka_unit_test(the_input_is_read_after_the_terms_were_taken),
     };
     return cmocka_run_group_tests(tests, begin, end);
 }

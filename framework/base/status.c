@@ -5,7 +5,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 
-static _Thread_local char last_message[1024];
+static _Thread_local char last_message[BB_MESSAGE_MAX];
 
 bb_status bb_fail(bb_status status, const char *format, ...)
 {

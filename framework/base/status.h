@@ -19,6 +19,8 @@ typedef enum bb_status {
     BB_FAILED,      /* device, driver, library or system call failed */
 } bb_status;
 
+enum { BB_MESSAGE_MAX = 1024 };
+
 /* Records the message of the calling thread (what, where, what to do: one line, no newline) and
  * returns `status`. */
 bb_status bb_fail(bb_status status, const char *format, ...) __attribute__((format(printf, 2, 3)));

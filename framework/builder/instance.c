@@ -99,7 +99,7 @@ void bb_instance_destroy(bb_instance *instance)
         bb_terms_take(&terms);
         if (stage->self != NULL)
             stage->builder->destroy(stage->self);
-        (void)bb_terms_check(&terms, "", "destroy", BB_OK); /* puts back: no row is left to fail */
+        bb_terms_put_back(&terms); /* no row is left to fail */
         bb_tree_release(&stage->own);
     }
     bb_references_release(&instance->references);

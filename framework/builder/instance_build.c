@@ -30,7 +30,8 @@ static bb_status read_buffer(const bb_buffer *buffer)
 }
 
 /* Reads the input once. Otherwise it would depend on the build before, or on restore(), whether the
- * stage's first access finds it cold or warm. Only memory that the host shares can be warmed. */
+ * stage's first access finds it cold or warm. Only memory that the host shares can be warmed.
+ * Between this and the build, nothing else may read or write much memory. */
 static bb_status warm_up(const bb_scene *part)
 {
     const bb_scene_device *there = &part->on_device;
@@ -79,7 +80,7 @@ static bb_status get_ready(bb_instance *instance, bb_stage *stage, const bb_scen
         *restore_ms = bb_wall_ms() - start;
         BB_TRY(bb_terms_check(&terms, label, "restore", status));
     }
-    return warm_up(part);
+    return BB_OK;
 }
 
 /* ---- each stage's share of the common account ---- */
@@ -178,7 +179,9 @@ static bb_status run_stage(bb_instance *instance, uint32_t i, const bb_scene *sc
     bb_stopwatch watch;
     bb_terms terms;
     bb_terms_take(&terms);
-    bb_status status = bb_stopwatch_start(instance->device, &watch);
+    bb_status status = warm_up(&part);
+    if (status == BB_OK)
+        status = bb_stopwatch_start(instance->device, &watch);
     if (status == BB_OK) {
         status = run_hook(instance, i, &part, changed, &step->phases);
         status = bb_stopwatch_stop(&watch, status, &step->timing.timing);

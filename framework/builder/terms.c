@@ -159,6 +159,7 @@ void bb_terms_take(bb_terms *terms)
     terms->umask = umask_now();
     terms->environment = hash_environment();
     terms->variables = copy_variables();
+    snprintf(terms->message, sizeof terms->message, "%s", bb_message());
 }
 
 static void add(char *list, size_t capacity, const char *what)
@@ -174,7 +175,7 @@ static bool processors_changed(const bb_terms *terms)
 }
 
 /* Puts back what changed, and lists it. */
-static void put_back(const bb_terms *terms, char *list, size_t capacity)
+static void list_and_put_back(const bb_terms *terms, char *list, size_t capacity)
 {
     const bool rounding = fegetround() != terms->rounding;
     const bool control = float_control() != terms->float_control;
@@ -215,20 +216,32 @@ static void put_back(const bb_terms *terms, char *list, size_t capacity)
     }
 }
 
-bb_status bb_terms_check(bb_terms *terms, const char *who, const char *hook, bb_status status)
+/* Frees what was taken, too. */
+static void end(bb_terms *terms, char *list, size_t capacity)
 {
-    char list[400] = "";
-    put_back(terms, list, sizeof list);
+    list[0] = '\0';
+    list_and_put_back(terms, list, capacity);
     if (terms->folder_at >= 0)
         close(terms->folder_at);
     free_variables(terms->variables);
+}
+
+bb_status bb_terms_check(bb_terms *terms, const char *who, const char *hook, bb_status status)
+{
+    char list[400];
+    end(terms, list, sizeof list);
     if (list[0] == '\0')
         return status;
     if (status == BB_OK)
         return bb_fail(BB_FAILED,
                        "%s changed %s in %s(): what all builders share, no hook may change", who,
                        list, hook);
-    char before[400];
-    snprintf(before, sizeof before, "%s", bb_message());
-    return bb_fail(BB_FAILED, "%s; and %s changed %s in %s()", before, who, list, hook);
+    return bb_fail(BB_FAILED, "%.500s; and %s changed %s in %s()", bb_message(), who, list, hook);
+}
+
+void bb_terms_put_back(bb_terms *terms)
+{
+    char list[400];
+    end(terms, list, sizeof list);
+    (void)bb_fail(BB_FAILED, "%s", terms->message);
 }

@@ -27,16 +27,20 @@ typedef struct bb_terms {
     struct stat folder;
     int folder_at; /* descriptor of the working folder; -1: it cannot be opened */
     mode_t umask;
-    uint64_t environment; /* hash */
-    char **variables;     /* copies of them, NULL at the end; NULL: no memory */
+    uint64_t environment;         /* hash */
+    char **variables;             /* copies of them, NULL at the end; NULL: no memory */
+    char message[BB_MESSAGE_MAX]; /* bb_message() */
 } bb_terms;
 
-/* Takes the terms as they are. To be ended by bb_terms_check(). */
+/* Takes the terms as they are. To be ended by bb_terms_check() or bb_terms_put_back(). */
 void bb_terms_take(bb_terms *terms);
 
 /* Puts back what has changed since, and frees what was taken. Returns `status`, unless something
  * had changed: then BB_FAILED, "WHO changed the rounding mode in HOOK()", or, if `status` was a
  * failure already, its message followed by that. */
 bb_status bb_terms_check(bb_terms *terms, const char *who, const char *hook, bb_status status);
+
+/* The same for a hook that cannot fail: says nothing, and bb_message() is what it was before. */
+void bb_terms_put_back(bb_terms *terms);
 
 #endif
