@@ -3,7 +3,6 @@
 #include "framework/base/interrupt.h"
 
 #include <fcntl.h>
-#include <locale.h>
 #include <pthread.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -19,16 +18,25 @@ extern char **environ;
 
 /* ---- one term each: take it, compare it, put it back ---- */
 
-static uint32_t float_control(void)
+/* How floats are rounded, and what else their units are told, without the flags that operations
+ * raise. x86 has two units: SSE computes floats and doubles, and the x87 long doubles, whose
+ * rounding is all that fegetround() says. */
+static void look_at_floats(uint32_t *rounding, uint32_t *control)
 {
 #if defined(__SSE__)
-    return _mm_getcsr() & ~0x3Fu; /* without the flags that operations raise */
+    uint16_t x87;
+    __asm__ volatile("fnstcw %0" : "=m"(x87));
+    const uint32_t sse = _mm_getcsr();
+    *rounding = (sse & 0x6000u) | (x87 & 0x0C00u);
+    *control = (sse & 0x9FC0u) | (uint32_t)(x87 & 0x033Fu) << 16;
 #elif defined(__aarch64__)
     uint64_t fpcr;
     __asm__ volatile("mrs %0, fpcr" : "=r"(fpcr));
-    return (uint32_t)fpcr;
+    *rounding = (uint32_t)fpcr & 0xC00000u;
+    *control = (uint32_t)fpcr & ~0xC00000u;
 #else
-    return 0;
+    *rounding = (uint32_t)fegetround();
+    *control = 0;
 #endif
 }
 
@@ -75,13 +83,13 @@ static void restore_variables(char *const *variables)
     }
 }
 
-/* Compares the handler and how it is called. */
+/* Compares the handler and how it is called. Where there is none, one flag alone has a meaning. */
 static bool same_handler(const struct sigaction *a, const struct sigaction *b)
 {
-    const int flags = SA_SIGINFO | SA_RESETHAND | SA_NODEFER;
-    return (a->sa_flags & flags) == (b->sa_flags & flags) &&
-           ((a->sa_flags & SA_SIGINFO) != 0 ? a->sa_sigaction == b->sa_sigaction
-                                            : a->sa_handler == b->sa_handler);
+    const bool none = a->sa_handler == SIG_DFL || a->sa_handler == SIG_IGN;
+    const int how = SA_SIGINFO | SA_RESETHAND | SA_NODEFER | SA_RESTART | SA_ONSTACK;
+    const int flags = (none ? 0 : how) | SA_NOCLDWAIT;
+    return a->sa_handler == b->sa_handler && (a->sa_flags & flags) == (b->sa_flags & flags);
 }
 
 static bool handlers_changed(const bb_terms *terms)
@@ -145,9 +153,9 @@ void bb_terms_take(bb_terms *terms)
 {
     memset(terms, 0, sizeof *terms);
     fegetenv(&terms->floats);
-    terms->rounding = fegetround();
-    terms->float_control = float_control();
+    look_at_floats(&terms->rounding, &terms->float_control);
     snprintf(terms->locale, sizeof terms->locale, "%s", setlocale(LC_ALL, NULL));
+    terms->thread_locale = uselocale((locale_t)0);
     for (int s = 1; s < BB_TERMS_SIGNALS; s++)
         sigaction(s, NULL, &terms->signals[s]);
     pthread_sigmask(SIG_BLOCK, NULL, &terms->mask);
@@ -177,17 +185,21 @@ static bool processors_changed(const bb_terms *terms)
 /* Puts back what changed, and lists it. */
 static void list_and_put_back(const bb_terms *terms, char *list, size_t capacity)
 {
-    const bool rounding = fegetround() != terms->rounding;
-    const bool control = float_control() != terms->float_control;
-    if (rounding)
+    uint32_t rounding, control;
+    look_at_floats(&rounding, &control);
+    if (rounding != terms->rounding)
         add(list, capacity, "the rounding mode");
-    else if (control)
-        add(list, capacity, "how floats are computed (denormals or traps)");
-    if (rounding || control)
+    if (control != terms->float_control)
+        add(list, capacity, "how floats are computed (denormals, traps or precision)");
+    if (rounding != terms->rounding || control != terms->float_control)
         fesetenv(&terms->floats);
     if (strncmp(setlocale(LC_ALL, NULL), terms->locale, sizeof terms->locale - 1) != 0) {
         add(list, capacity, "the locale");
         setlocale(LC_ALL, terms->locale);
+    }
+    if (uselocale((locale_t)0) != terms->thread_locale) {
+        add(list, capacity, "the thread's locale");
+        uselocale(terms->thread_locale);
     }
     if (handlers_changed(terms))
         add(list, capacity, "a signal's handler");

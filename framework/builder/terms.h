@@ -6,6 +6,7 @@
 #include "framework/base/status.h"
 
 #include <fenv.h>
+#include <locale.h>
 #include <sched.h>
 #include <signal.h>
 #include <stdint.h>
@@ -14,12 +15,13 @@
 
 enum { BB_TERMS_LOCALE = 512, BB_TERMS_SIGNALS = 65 };
 
-/* Floating-point environment and signal mask are those of the calling thread. */
+/* Floating-point environment, own locale and signal mask are those of the calling thread. */
 typedef struct bb_terms {
     fenv_t floats;
-    int rounding;
-    uint32_t float_control; /* of units that have flags for denormals; else 0 */
+    uint32_t rounding;      /* of all units for floats */
+    uint32_t float_control; /* what else they are told; 0 where that is not known */
     char locale[BB_TERMS_LOCALE];
+    locale_t thread_locale;
     struct sigaction signals[BB_TERMS_SIGNALS];
     sigset_t mask;
     struct rlimit limits[RLIM_NLIMITS];

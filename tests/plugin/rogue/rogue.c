@@ -40,7 +40,9 @@ static const bb_option options[] = {
      "follows: refits, which is right; still: does nothing in place of that; forgets: a node; "
      "frozen: builds over the boxes that it was prepared with; hangs: never ends"},
     {"term", "none",
-     "none|rounding|denormals|locale|handler|mask|limit|processors|folder|umask|environment",
+     "none|rounding|denormals|sse-rounding|x87-rounding|x87-precision|locale|thread-locale|handler|"
+     "handler-restart|handler-stack|handler-children|mask|limit|processors|folder|umask|"
+     "environment",
      "changes this of the process"},
     {"at", "build", "create|prepare|restore|build|describe|decide|destroy", "in this hook"},
     {"view", NULL, NULL, "a view to look at"},
@@ -52,23 +54,61 @@ static void ignore(int signal)
     (void)signal;
 }
 
-static void change(const char *term)
+static void change_floats(const char *term)
 {
     if (strcmp(term, "rounding") == 0)
         fesetround(FE_UPWARD);
 #if defined(__SSE__)
     if (strcmp(term, "denormals") == 0)
         _mm_setcsr(_mm_getcsr() | 0x8040u);
+    if (strcmp(term, "sse-rounding") == 0)
+        _mm_setcsr(_mm_getcsr() | 0x4000u);
+    uint16_t x87;
+    __asm__ volatile("fnstcw %0" : "=m"(x87));
+    if (strcmp(term, "x87-rounding") == 0)
+        x87 |= 0x0800u;
+    if (strcmp(term, "x87-precision") == 0)
+        x87 &= (uint16_t)~0x0100u;
+    __asm__ volatile("fldcw %0" : : "m"(x87));
 #endif
-    if (strcmp(term, "locale") == 0)
-        setlocale(LC_ALL, "");
+}
+
+static void toggle(int signal_number, int flag)
+{
+    struct sigaction action;
+    sigaction(signal_number, NULL, &action);
+    action.sa_flags ^= flag;
+    sigaction(signal_number, &action, NULL);
+}
+
+static void change_signals(const char *term)
+{
     if (strcmp(term, "handler") == 0)
         signal(SIGUSR2, ignore);
+    if (strcmp(term, "handler-restart") == 0)
+        toggle(SIGUSR1, SA_RESTART);
+    if (strcmp(term, "handler-stack") == 0)
+        toggle(SIGUSR1, SA_ONSTACK);
+    if (strcmp(term, "handler-children") == 0)
+        toggle(SIGCHLD, SA_NOCLDWAIT);
     sigset_t set;
     sigemptyset(&set);
     sigaddset(&set, SIGUSR1);
     if (strcmp(term, "mask") == 0)
         sigprocmask(SIG_BLOCK, &set, NULL);
+}
+
+static void change(const char *term)
+{
+    change_floats(term);
+    change_signals(term);
+    if (strcmp(term, "locale") == 0)
+        setlocale(LC_ALL, "");
+    static locale_t own; /* kept: the thread may use it */
+    if (own == (locale_t)0)
+        own = newlocale(LC_ALL_MASK, "C.UTF-8", (locale_t)0);
+    if (strcmp(term, "thread-locale") == 0)
+        uselocale(own);
     struct rlimit limit;
     getrlimit(RLIMIT_CORE, &limit);
     limit.rlim_cur = limit.rlim_cur == 0 ? 1 : 0;
