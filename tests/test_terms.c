@@ -35,6 +35,11 @@ static const term terms[] = {
     {"folder", "the working folder"},
     {"umask", "the umask"},
     {"environment", "the environment's variables"},
+    {"variable", "the environment's variables"},
+    {"variable-text", "the environment's variables"},
+    {"variable-order", "the environment's variables"},
+    {"no-variable", "the environment's variables"},
+    {"no-variables", "the environment's variables"},
 };
 
 static const char *const hooks[] = {"create", "prepare", "restore", "build", "describe", "decide"};
@@ -66,6 +71,29 @@ static bool can_change(const term *t)
     return strcmp(t->name, "processors") != 0 || CPU_COUNT(&all) > 1;
 }
 
+/* Entries of the environment, which are kept as they were before anything changed them: a variable
+ * that someone put there is still the one that he can write to. */
+static char *entries[4096];
+static char put[] = "BVHBENCH_PUT=by the test";
+
+static void note_entries(void)
+{
+    size_t i = 0;
+    for (; environ[i] != NULL; i++)
+        entries[i] = environ[i];
+    assert_true(i > 1 && i < sizeof entries / sizeof entries[0]);
+    entries[i] = NULL;
+}
+
+static void expect_entries(const char *after)
+{
+    for (size_t i = 0; entries[i] != NULL || environ[i] != NULL; i++)
+        if (environ[i] != entries[i])
+            fail_msg("%s: entry %zu of the environment is another one", after, i);
+    if (strcmp(put, "BVHBENCH_PUT=by the test") != 0)
+        fail_msg("%s: '%s'", after, put);
+}
+
 static void a_change_fails_its_hook_and_is_put_back(void **state)
 {
     (void)state;
@@ -85,6 +113,7 @@ static void a_change_fails_its_hook_and_is_put_back(void **state)
                 fail_msg("%s: %s", text, bb_message());
             if (bb_terms_check(&before, text, hooks[h], BB_OK) != BB_OK)
                 fail_msg("not put back: %s", bb_message());
+            expect_entries(text);
         }
 }
 
@@ -98,6 +127,7 @@ static void what_destroy_changes_is_put_back(void **state)
         bb_terms_take(&before);
         ASSERT_OK(go_through(text));
         ASSERT_OK(bb_terms_check(&before, text, "destroy", BB_OK));
+        expect_entries(text);
     }
 }
 
@@ -207,6 +237,8 @@ static int begin(void **state)
                                                  sizeof registration, &late, NULL};
     ASSERT_OK(bb_builder_add(&registration));
     ASSERT_OK(bb_scene_load("cube", &scene));
+    assert_int_equal(putenv(put), 0);
+    note_entries();
     return 0;
 }
 

@@ -9,12 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-#include <xxhash.h>
 #if defined(__SSE__)
 #include <xmmintrin.h>
 #endif
-
-extern char **environ;
 
 /* ---- one term each: take it, compare it, put it back ---- */
 
@@ -38,49 +35,6 @@ static void look_at_floats(uint32_t *rounding, uint32_t *control)
     *rounding = (uint32_t)fegetround();
     *control = 0;
 #endif
-}
-
-static uint64_t hash_environment(void)
-{
-    uint64_t hash = 0;
-    for (char **v = environ; v != NULL && *v != NULL; v++)
-        hash = XXH3_64bits_withSeed(*v, strlen(*v) + 1, hash);
-    return hash;
-}
-
-static void free_variables(char **variables)
-{
-    for (char **v = variables; v != NULL && *v != NULL; v++)
-        free(*v);
-    free(variables);
-}
-
-static char **copy_variables(void)
-{
-    size_t count = 0;
-    for (char **v = environ; v != NULL && *v != NULL; v++)
-        count++;
-    char **copy = calloc(count + 1, sizeof *copy);
-    for (size_t i = 0; copy != NULL && i < count; i++) {
-        copy[i] = strdup(environ[i]);
-        if (copy[i] == NULL) {
-            free_variables(copy);
-            return NULL;
-        }
-    }
-    return copy;
-}
-
-static void restore_variables(char *const *variables)
-{
-    clearenv();
-    for (; variables != NULL && *variables != NULL; variables++) {
-        const char *equals = strchr(*variables, '=');
-        char *name = equals != NULL ? strndup(*variables, (size_t)(equals - *variables)) : NULL;
-        if (name != NULL)
-            setenv(name, equals + 1, 1);
-        free(name);
-    }
 }
 
 /* Compares the handler and how it is called. Where there is none, one flag alone has a meaning. */
@@ -165,8 +119,7 @@ void bb_terms_take(bb_terms *terms)
     terms->folder_at = open(".", O_PATH | O_DIRECTORY | O_CLOEXEC);
     stat(".", &terms->folder);
     terms->umask = umask_now();
-    terms->environment = hash_environment();
-    terms->variables = copy_variables();
+    bb_environment_take(&terms->environment);
     snprintf(terms->message, sizeof terms->message, "%s", bb_message());
 }
 
@@ -181,6 +134,8 @@ static bool processors_changed(const bb_terms *terms)
     cpu_set_t now;
     return sched_getaffinity(0, sizeof now, &now) == 0 && !CPU_EQUAL(&now, &terms->processors);
 }
+
+static const char not_put_back[] = "which could not be put back";
 
 /* Puts back what changed, and lists it. */
 static void list_and_put_back(const bb_terms *terms, char *list, size_t capacity)
@@ -216,16 +171,18 @@ static void list_and_put_back(const bb_terms *terms, char *list, size_t capacity
     if (folder_changed(terms)) {
         add(list, capacity, "the working folder");
         if (terms->folder_at < 0 || fchdir(terms->folder_at) != 0)
-            add(list, capacity, "which could not be put back");
+            add(list, capacity, not_put_back);
     }
     if (umask_now() != terms->umask) {
         add(list, capacity, "the umask");
         umask(terms->umask);
     }
-    if (hash_environment() != terms->environment) {
+    const bool variables = bb_environment_changed(&terms->environment);
+    const bool there = bb_environment_put_back(&terms->environment); /* pointers in any case */
+    if (variables)
         add(list, capacity, "the environment's variables");
-        restore_variables(terms->variables);
-    }
+    if (variables && !there)
+        add(list, capacity, not_put_back);
 }
 
 /* Frees what was taken, too. */
@@ -235,7 +192,7 @@ static void end(bb_terms *terms, char *list, size_t capacity)
     list_and_put_back(terms, list, capacity);
     if (terms->folder_at >= 0)
         close(terms->folder_at);
-    free_variables(terms->variables);
+    bb_environment_free(&terms->environment);
 }
 
 bb_status bb_terms_check(bb_terms *terms, const char *who, const char *hook, bb_status status)

@@ -4,6 +4,7 @@
 #define BB_TERMS_H
 
 #include "framework/base/status.h"
+#include "framework/builder/environment.h"
 
 #include <fenv.h>
 #include <locale.h>
@@ -29,8 +30,7 @@ typedef struct bb_terms {
     struct stat folder;
     int folder_at; /* descriptor of the working folder; -1: it cannot be opened */
     mode_t umask;
-    uint64_t environment;         /* hash */
-    char **variables;             /* copies of them, NULL at the end; NULL: no memory */
+    bb_environment environment;
     char message[BB_MESSAGE_MAX]; /* bb_message() */
 } bb_terms;
 

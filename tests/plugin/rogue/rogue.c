@@ -42,7 +42,7 @@ static const bb_option options[] = {
     {"term", "none",
      "none|rounding|denormals|sse-rounding|x87-rounding|x87-precision|locale|thread-locale|handler|"
      "handler-restart|handler-stack|handler-children|mask|limit|processors|folder|umask|"
-     "environment",
+     "environment|variable|variable-text|variable-order|no-variable|no-variables",
      "changes this of the process"},
     {"at", "build", "create|prepare|restore|build|describe|decide|destroy", "in this hook"},
     {"view", NULL, NULL, "a view to look at"},
@@ -98,6 +98,26 @@ static void change_signals(const char *term)
         sigprocmask(SIG_BLOCK, &set, NULL);
 }
 
+/* The test that asks for it has put BVHBENCH_PUT there. */
+static void change_environment(const char *term)
+{
+    if (strcmp(term, "environment") == 0)
+        setenv("BVHBENCH_ROGUE", "was here", 1);
+    if (strcmp(term, "variable") == 0)
+        setenv("BVHBENCH_PUT", "rogue", 1);
+    if (strcmp(term, "variable-text") == 0)
+        *getenv("BVHBENCH_PUT") = '\0';
+    if (strcmp(term, "variable-order") == 0) {
+        char *first = environ[0];
+        environ[0] = environ[1];
+        environ[1] = first;
+    }
+    if (strcmp(term, "no-variable") == 0)
+        unsetenv("BVHBENCH_PUT");
+    if (strcmp(term, "no-variables") == 0)
+        clearenv();
+}
+
 static void change(const char *term)
 {
     change_floats(term);
@@ -123,8 +143,7 @@ static void change(const char *term)
         abort();
     if (strcmp(term, "umask") == 0)
         umask(0777);
-    if (strcmp(term, "environment") == 0)
-        setenv("BVHBENCH_ROGUE", "was here", 1);
+    change_environment(term);
 }
 
 static void meddle(const rogue *self, const char *hook)
