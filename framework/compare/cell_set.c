@@ -72,23 +72,47 @@ static void copy(char *to, size_t capacity, const char *text)
     snprintf(to, capacity, "%s", text);
 }
 
-/* Writes what the run says of itself. */
-static void read_origin(const bb_table *from, const char *what, bb_origin *origin)
+/* Whether the row describes a run of the table; the first run's has no name at all. */
+static bool is_about_run(const bb_table *table, uint32_t row)
 {
-    const uint32_t run = bb_table_find(from, (bb_cell){{NULL}});
-    copy(origin->what, sizeof origin->what, what);
-    copy(origin->date, sizeof origin->date, bb_table_get_text(from, run, "date"));
-    copy(origin->revision, sizeof origin->revision, bb_table_get_text(from, run, "revision"));
-    copy(origin->host, sizeof origin->host, bb_table_get_text(from, run, "host"));
-    copy(origin->cpu, sizeof origin->cpu, bb_table_get_text(from, run, "cpu"));
-    copy(origin->device, sizeof origin->device, bb_table_get_text(from, run, "device"));
-    copy(origin->device_type, sizeof origin->device_type,
-         bb_table_get_text(from, run, "device_type"));
-    copy(origin->driver, sizeof origin->driver, bb_table_get_text(from, run, "driver"));
-    copy(origin->embree, sizeof origin->embree, bb_table_get_text(from, run, "embree_version"));
-    copy(origin->seed, sizeof origin->seed, bb_table_get_text(from, run, "seed"));
-    copy(origin->shard, sizeof origin->shard, bb_table_get_text(from, run, "shard"));
-    origin->interrupted = strcmp(bb_table_get_text(from, run, "interrupted"), "yes") == 0;
+    for (int d = 0; d < BB_DIMENSIONS; d++)
+        if (d != BB_RUN && bb_table_name(table, row, (bb_dimension)d)[0] != '\0')
+            return false;
+    return true;
+}
+
+/* Puts a text that a run gives in place of none, and "several" in place of another one. */
+static void add_text(char *to, size_t capacity, const char *text)
+{
+    if (text[0] != '\0' && strcmp(to, text) != 0)
+        copy(to, capacity, to[0] != '\0' ? BB_SEVERAL : text);
+}
+
+/* Adds what a run says of itself. The date is that of the latest. */
+static void add_origin(const bb_table *from, uint32_t run, bb_origin *origin)
+{
+    const struct {
+        const char *column;
+        char *to;
+        size_t capacity;
+    } texts[] = {
+        {"revision", origin->revision, sizeof origin->revision},
+        {"host", origin->host, sizeof origin->host},
+        {"cpu", origin->cpu, sizeof origin->cpu},
+        {"device", origin->device, sizeof origin->device},
+        {"device_type", origin->device_type, sizeof origin->device_type},
+        {"driver", origin->driver, sizeof origin->driver},
+        {"embree_version", origin->embree, sizeof origin->embree},
+        {"seed", origin->seed, sizeof origin->seed},
+        {"shard", origin->shard, sizeof origin->shard},
+    };
+    const char *date = bb_table_get_text(from, run, "date");
+    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++)
+        add_text(texts[i].to, texts[i].capacity, bb_table_get_text(from, run, texts[i].column));
+    if (strcmp(date, origin->date) > 0)
+        copy(origin->date, sizeof origin->date, date);
+    if (strcmp(bb_table_get_text(from, run, "interrupted"), "yes") == 0)
+        origin->interrupted = true;
 }
 
 /* A row of a table whose cells go into a set. */
@@ -105,8 +129,11 @@ static const char *text_of(const source *s, uint32_t row, bb_field_id field)
 
 static uint32_t scene_of(const source *s)
 {
-    const bb_cell scene = {{[BB_SCENE] = bb_table_name(s->table, s->row, BB_SCENE)}};
-    return bb_table_find(s->table, scene);
+    bb_cell scene = {{[BB_RUN] = bb_table_name(s->table, s->row, BB_RUN),
+                      [BB_SCENE] = bb_table_name(s->table, s->row, BB_SCENE)}};
+    const uint32_t own = bb_table_find(s->table, scene);
+    scene.names[BB_RUN] = NULL;
+    return own != BB_NO_ROW ? own : bb_table_find(s->table, scene);
 }
 
 /* Adds a cell for the row, with the rounds of the column `timed`, which are called `time`; NULL:
@@ -213,7 +240,7 @@ static bb_status write_key(const source *s, const bb_column *time, char key[BB_C
 {
     bb_key_writer w = {.key = key};
     bb_key_put(&w, "command", bb_table_command(s->table));
-    for (int d = 0; d < BB_DIMENSIONS; d++)
+    for (int d = BB_RUN + 1; d < BB_DIMENSIONS; d++)
         bb_key_put(&w, bb_dimension_names[d], bb_table_name(s->table, s->row, (bb_dimension)d));
     bb_key_put(&w, "time", time != NULL ? time->name : "");
     key[w.length] = '\0';
@@ -263,17 +290,42 @@ static bb_status add_row(const source *s)
     return add_rounds(s);
 }
 
+/* Puts the number of the run behind the keys of all but the first run of a merged table: cells of
+ * two runs are not one cell. */
+static bb_status name_runs(const bb_table *table, bb_cell_set *set)
+{
+    for (uint32_t i = 0; i < set->count; i++) {
+        bb_measured *cell = &set->cells[i];
+        const char *run = bb_table_name(table, cell->place, BB_RUN);
+        if (run[0] == '\0')
+            continue;
+        const size_t size = strlen(cell->key) + sizeof BB_KEY_OF_RUN + strlen(run);
+        char *key = malloc(size);
+        if (key == NULL)
+            return no_memory();
+        snprintf(key, size, "%s" BB_KEY_OF_RUN "%s", cell->key, run);
+        free(cell->key);
+        cell->key = key;
+    }
+    return BB_OK;
+}
+
 bb_status bb_cell_set_of_table(const bb_table *table, const char *what, bb_cell_set *set)
 {
-    const uint32_t run = bb_table_find(table, (bb_cell){{NULL}});
     const bool keys = strcmp(bb_table_command(table), "run") == 0;
     memset(set, 0, sizeof *set);
-    read_origin(table, what, &set->origin);
+    copy(set->origin.what, sizeof set->origin.what, what);
+    bb_status status = bb_table_check_runs(table);
+    if (status != BB_OK)
+        return bb_fail(status, "%.200s: %s", what, bb_message());
     for (uint32_t row = 0; row < bb_table_row_count(table); row++) {
         const source s = {set, table, row};
-        if (row != run)
+        if (is_about_run(table, row))
+            add_origin(table, row, &set->origin);
+        else
             BB_TRY(keys ? add_row_of_run(&s) : add_row(&s));
     }
+    BB_TRY(name_runs(table, set));
     bb_cell_set_sort(set);
     return BB_OK;
 }

@@ -30,7 +30,11 @@ typedef struct bb_measured {
     uint32_t place; /* number of its row; in sorting, of the cell as cells were added */
 } bb_measured;
 
-/* Where and when the cells were measured. "" stands for what is not known. */
+/* What an origin says where the runs of a merged table differ. */
+#define BB_SEVERAL "several"
+
+/* Where and when the cells were measured. "" stands for what is not known. Of a merged table the
+ * date is that of the latest run, and `interrupted` says whether any was. */
 typedef struct bb_origin {
     char what[256]; /* for messages: the file or revision */
     char date[32], revision[80], host[256], cpu[256], device[256], driver[128], embree[48],
@@ -51,8 +55,9 @@ typedef struct bb_cell_set {
  * with the key that it has. Of other commands a row becomes a cell with its exact numbers, and one
  * more cell for each column of rounds in which less is better. Keys are made of command and names
  * then, "command=slice/scene=tets/builder=lbvh", and for rounds also of the column,
- * ".../time=build_ms". Of the texts, only "status" and the scene's "hash" are taken. Release with
- * bb_cell_set_free(), also after a failure. */
+ * ".../time=build_ms". Keys of a merged table's further runs end with the number of their run,
+ * ".../run=1". Of the texts, only "status" and the scene's "hash" are taken. BB_INVALID if a run is
+ * no number. Release with bb_cell_set_free(), also after a failure. */
 bb_status bb_cell_set_of_table(const bb_table *table, const char *what, bb_cell_set *set);
 
 /* Appends an empty cell with this key. `*cell` is valid until the next call. */

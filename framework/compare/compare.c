@@ -338,12 +338,25 @@ static int worst_first(const void *left, const void *right)
     return order != 0 ? order : strcmp(a->what, b->what);
 }
 
+static bool several(const char *text)
+{
+    return strcmp(text, BB_SEVERAL) == 0;
+}
+
+/* Several machines of one side need not be those of the other. */
+static void compare_machines(const bb_origin *a, const bb_origin *b, bb_comparison_result *result)
+{
+    bool host;
+    result->machines_differ = !bb_same_machine(a, b, &host) || several(a->cpu) ||
+                              several(a->device) || several(a->driver);
+    result->hosts_differ = !host || several(a->host);
+}
+
 bb_status bb_compare(const bb_side *before, const bb_side *after, double threshold,
                      const bb_floor *floor, bb_comparison_result *result)
 {
     *result = (bb_comparison_result){.before = *before, .after = *after};
     const bb_origin *a = &before->sets[0].origin, *b = &after->sets[0].origin;
-    bool host;
     BB_TRY(bb_side_check(before));
     BB_TRY(bb_side_check(after));
     const char *nameless = "a device without a name";
@@ -354,8 +367,7 @@ bb_status bb_compare(const bb_side *before, const bb_side *after, double thresho
                        a->what, a->device[0] != '\0' ? a->device : nameless, b->what,
                        b->device[0] != '\0' ? b->device : nameless);
     result->pairs = before->count > 1;
-    result->machines_differ = !bb_same_machine(a, b, &host);
-    result->hosts_differ = !host;
+    compare_machines(a, b, result);
     count_only(result);
     if (result->common == 0)
         return bb_fail(BB_INVALID, "%s and %s have no cell in common: nothing to compare", a->what,

@@ -254,14 +254,14 @@ static bb_status read_run(bb_history *history, int64_t run, bb_cell_set *set)
 enum { PAIRS_MAX = 20 }; /* pairs of runs that are compared for a floor: the latest ones */
 
 /* Finds pairs of successive runs of one revision on the machine. A revision that is unknown, or has
- * uncommitted changes, may be two programs and is left out. */
+ * uncommitted changes, may be two programs and is left out, as are merged runs of several ones. */
 static bb_status find_pairs(bb_history *history, const bb_origin *o, int64_t pairs[PAIRS_MAX][2],
                             uint32_t *count)
 {
     static const char sql[] =
         "SELECT a, b FROM (SELECT id AS b, lag(id) OVER (PARTITION BY revision ORDER BY id) AS a"
         " FROM runs WHERE " MACHINE " AND interrupted = 0 AND revision <> ''"
-        " AND revision NOT LIKE '%-dirty') WHERE a IS NOT NULL"
+        " AND revision <> '" BB_SEVERAL "' AND revision NOT LIKE '%-dirty') WHERE a IS NOT NULL"
         " ORDER BY b DESC LIMIT 20";
     sqlite3_stmt *statement = NULL;
     int code;

@@ -199,10 +199,16 @@ void bb_cell_short(bb_cell_parts *cell)
 void bb_cell_key_short(const char *key, char brief[BB_CELL_KEY])
 {
     bb_cell_parts cell;
-    if (bb_cell_key_parse(key, &cell) == BB_OK) {
+    const char *run = strstr(key, BB_KEY_OF_RUN);
+    const size_t length = run != NULL ? (size_t)(run - key) : strlen(key);
+    snprintf(brief, BB_CELL_KEY, "%.*s", (int)length, key);
+    if (bb_cell_key_parse(brief, &cell) == BB_OK) {
         bb_cell_short(&cell);
-        if (bb_cell_key_format(&cell, brief) == BB_OK)
+        if (bb_cell_key_format(&cell, brief) == BB_OK) {
+            const size_t used = strlen(brief);
+            snprintf(brief + used, BB_CELL_KEY - used, "%s", run != NULL ? run : "");
             return;
+        }
     }
     snprintf(brief, BB_CELL_KEY, "%s", key);
 }
