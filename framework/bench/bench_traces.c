@@ -2,6 +2,7 @@
 #include "framework/bench/bench_private.h"
 
 #include "framework/base/clock.h"
+#include "framework/builder/guard.h"
 #include "framework/workload/workload.h"
 #include "traversal/pass.h"
 
@@ -118,14 +119,25 @@ static void fit_batch(const trace_set *set, cell *c, uint32_t count, double ms)
         c->batch = bb_launch_rays(count, ms, set->bench->batch);
 }
 
+/* What would be missing if this died. */
+static bb_guarded guarded(const bb_trace_record *r)
+{
+    return (bb_guarded){r->scene, r->cell};
+}
+
+static void enter(const bb_trace_record *r, const char *hook)
+{
+    char who[512];
+    snprintf(who, sizeof who, "%.200s on %.200s", r->kernel, r->builder);
+    bb_guard_enter(guarded(r), who, hook);
+}
+
 /* Traces the cell's rays once, in batches, into set->results. A reference's event time is that of
  * its threads. */
-static bb_status trace_once(trace_set *set, cell *c, bb_timing *timing)
+static bb_status trace_rays(trace_set *set, cell *c, bb_timing *timing)
 {
     bool reference = c->entrant->reference;
     *timing = (bb_timing){0};
-    if (!reference)
-        BB_TRY(bb_bench_layout(set->bench, c->entrant, c->layout));
     bb_step step = bb_bench_begin(set->bench);
     const bb_pass pass = pass_of(set, c);
     uint64_t timed = 0, before = reference ? 0 : bb_tracer_launched(c->tracer);
@@ -155,6 +167,16 @@ static bb_status trace_once(trace_set *set, cell *c, bb_timing *timing)
                           bb_tracer_launched(c->tracer) - before, c->count);
     set->bench->outcome->times.trace_ms += timing->ms;
     return bb_bench_end(set->bench, step, "poison and copy answers", BB_OK);
+}
+
+static bb_status trace_once(trace_set *set, cell *c, bb_timing *timing)
+{
+    if (!c->entrant->reference)
+        BB_TRY(bb_bench_layout(set->bench, c->entrant, c->layout));
+    enter(&c->record, "trace");
+    bb_status status = trace_rays(set, c, timing);
+    bb_guard_leave();
+    return status;
 }
 
 /* ---- preparation and judgement ---- */
@@ -204,12 +226,9 @@ static void note_stack(bb_bench *bench, bb_kernel_choice *choice, const bb_decis
     }
 }
 
-static bb_status prepare_cell(trace_set *set, cell *c)
+static bb_status make_tracer(trace_set *set, cell *c)
 {
     bb_bench *bench = set->bench;
-    if (c->entrant->reference)
-        return BB_OK;
-    BB_TRY(bb_bench_layout(bench, c->entrant, c->layout));
     const bb_layout_data *layout = &c->entrant->resident->layouts[c->layout];
     bb_tracer_request request = tracer_request(set, c);
     bb_step step = bb_bench_begin(bench);
@@ -227,6 +246,17 @@ static bb_status prepare_cell(trace_set *set, cell *c)
     BB_TRY(bb_pass_launch(&pass, few));
     BB_TRY(bb_finish(bench->device));
     return bb_bench_end(bench, step, "compile kernels", BB_OK);
+}
+
+static bb_status prepare_cell(trace_set *set, cell *c)
+{
+    if (c->entrant->reference)
+        return BB_OK;
+    BB_TRY(bb_bench_layout(set->bench, c->entrant, c->layout));
+    enter(&c->record, "compile");
+    bb_status status = make_tracer(set, c);
+    bb_guard_leave();
+    return status;
 }
 
 /* Judges set->results, unless the same answer was judged before. If a cell gives different answers,
@@ -291,9 +321,12 @@ static bb_status count_tests(trace_set *set, cell *c)
     uint32_t most = c->entrant->record.tree.node_count == 1 ? 64 : BB_COUNTED_RAYS;
     uint32_t count = c->count < most ? c->count : most;
     bb_tests tests;
-    BB_TRY(bb_count_tests(&bench->counter, tracer_request(set, c),
-                          &c->entrant->resident->layouts[c->layout], set->rays, c->count, count,
-                          &tests));
+    enter(&c->record, "count");
+    bb_status status = bb_count_tests(&bench->counter, tracer_request(set, c),
+                                      &c->entrant->resident->layouts[c->layout], set->rays,
+                                      c->count, count, &tests);
+    bb_guard_leave();
+    BB_TRY(status);
     c->record.node_tests_per_ray = (double)tests.nodes / count;
     c->record.prim_tests_per_ray = (double)tests.prims / count;
     c->record.overflowed = tests.overflowed;
@@ -360,6 +393,11 @@ static void start_cell(trace_set *set, cell *c, bb_entrant *entrant, uint32_t ke
     r->rays_options = rays->options;
     r->status = entrant->record.status;
     snprintf(r->reason, sizeof r->reason, "%s", entrant->record.reason);
+    const char *death = bb_guard_death(guarded(r));
+    if (r->status == BB_OK && death != NULL) {
+        r->status = BB_FAILED;
+        snprintf(r->reason, sizeof r->reason, "%s", death);
+    }
     r->counts_for_exit = !entrant->reference && bb_intersector_is_exact(intersector);
 
     c->count = rays->count;

@@ -47,6 +47,7 @@ static bb_status create_stage(bb_instance *instance, uint32_t i, uint64_t seed)
     const uint64_t before = instance->account.bytes;
     bb_terms terms;
     bb_terms_take(&terms);
+    bb_guard_enter(bb_instance_guarded(instance), parsed->label, "create");
     bb_status status = stage->builder->create(&stage->context, &stage->self);
     status = bb_terms_check(&terms, parsed->label, "create", status);
     stage->bytes = instance->account.bytes - before;
@@ -65,6 +66,10 @@ bb_status bb_instance_create(bb_device *device, const char *text, const bb_scene
 {
     memset(instance, 0, sizeof *instance);
     bb_status status = bb_pipeline_parse(text, &instance->pipeline);
+    snprintf(instance->scene, sizeof instance->scene, "%s", scene != NULL ? scene->name : "");
+    const char *death = bb_guard_death(bb_instance_guarded(instance));
+    if (status == BB_OK && death != NULL)
+        status = bb_fail(BB_FAILED, "%s", death);
     if (status == BB_OK && scene != NULL)
         status = check_kinds(&instance->pipeline, scene);
     if (status != BB_OK) {
@@ -97,6 +102,8 @@ void bb_instance_destroy(bb_instance *instance)
         bb_stage *stage = &instance->stages[i];
         bb_terms terms;
         bb_terms_take(&terms);
+        bb_guard_enter(bb_instance_guarded(instance), instance->pipeline.stages[i].label,
+                       "destroy");
         if (stage->self != NULL)
             stage->builder->destroy(stage->self);
         bb_terms_put_back(&terms); /* no row is left to fail */
@@ -232,6 +239,8 @@ bb_status bb_instance_describe(bb_instance *instance, const bb_scene *scene, cha
         bb_scene part = bb_stage_part(instance, i, scene);
         bb_terms terms;
         bb_terms_take(&terms);
+        bb_guard_enter(bb_instance_guarded(instance), instance->pipeline.stages[i].label,
+                       "describe");
         bb_status status = stage->builder->describe(stage->self, &part, words, sizeof words);
         BB_TRY(bb_terms_check(&terms, instance->pipeline.stages[i].label, "describe", status));
         bool alone = instance->pipeline.count == 1;
@@ -254,6 +263,7 @@ bb_status bb_instance_decisions(bb_instance *instance, const bb_scene *scene,
         bb_scene part = bb_stage_part(instance, i, scene);
         bb_terms terms;
         bb_terms_take(&terms);
+        bb_guard_enter(bb_instance_guarded(instance), instance->pipeline.stages[i].label, "decide");
         stage->builder->decide(stage->self, &part, decisions);
         BB_TRY(bb_terms_check(&terms, instance->pipeline.stages[i].label, "decide", BB_OK));
     }

@@ -43,6 +43,7 @@ typedef struct bb_stage {
 /* It must not move while it is in use: pointers to its account are kept. */
 typedef struct bb_instance {
     bb_pipeline pipeline; /* count is 0 when there is nothing to destroy */
+    char scene[256];      /* name of the scene that it was created for; "": none */
     bb_device *device;
     bb_account account; /* of all stages together */
     bb_stage stages[BB_STAGES_MAX];

@@ -60,6 +60,7 @@ static bb_status get_ready(bb_instance *instance, bb_stage *stage, const bb_scen
     bool prepared = stage->prepared == scene && stage->prepared_count == part->prim_count;
     if (!prepared && builder->prepare != NULL) {
         bb_terms_take(&terms);
+        bb_guard_enter(bb_instance_guarded(instance), label, "prepare");
         double start = bb_wall_ms();
         bb_status status =
             builder->prepare(stage->self, part, bb_is_splitter(builder) ? NULL : stage->tree);
@@ -73,6 +74,7 @@ static bb_status get_ready(bb_instance *instance, bb_stage *stage, const bb_scen
     *restore_ms = 0;
     if (builder->restore != NULL) {
         bb_terms_take(&terms);
+        bb_guard_enter(bb_instance_guarded(instance), label, "restore");
         double start = bb_wall_ms();
         bb_status status = builder->restore(stage->self, part);
         if (status == BB_OK)
@@ -179,6 +181,8 @@ static bb_status run_stage(bb_instance *instance, uint32_t i, const bb_scene *sc
     bb_stopwatch watch;
     bb_terms terms;
     bb_terms_take(&terms);
+    const char *hook = changed != 0 ? "update" : bb_is_splitter(builder) ? "split" : "build";
+    bb_guard_enter(bb_instance_guarded(instance), step->label, hook);
     bb_status status = warm_up(&part);
     if (status == BB_OK)
         status = bb_stopwatch_start(instance->device, &watch);
@@ -186,7 +190,7 @@ static bb_status run_stage(bb_instance *instance, uint32_t i, const bb_scene *sc
         status = run_hook(instance, i, &part, changed, &step->phases);
         status = bb_stopwatch_stop(&watch, status, &step->timing.timing);
     }
-    BB_TRY(bb_terms_check(&terms, step->label, changed != 0 ? "update" : "build", status));
+    BB_TRY(bb_terms_check(&terms, step->label, hook, status));
     step->timing.outside_ms = step->phases.outside_ms;
     step->timing.timing.ms -= step->phases.outside_ms;
     step->peak = stop_meter(instance, stage, &before);

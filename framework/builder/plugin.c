@@ -1,4 +1,5 @@
 /* Plug-ins are shared objects, which are inspected before they are trusted. */
+#include "framework/builder/guard.h"
 #include "framework/builder/registry.h"
 #include "framework/builder/terms.h"
 
@@ -132,6 +133,7 @@ bb_status bb_plugin_load(const char *path)
         return bb_fail(BB_INVALID, "plug-in %.60s...: the path is too long", path);
     bb_terms terms;
     bb_terms_take(&terms);
+    bb_guard_enter((bb_guarded){"", ""}, path, "dlopen"); /* its constructors */
     void *object = dlopen(here, RTLD_NOW | RTLD_LOCAL);
     bb_status status = bb_terms_check(&terms, path, "dlopen", BB_OK);
     if (object == NULL)

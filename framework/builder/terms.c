@@ -1,6 +1,7 @@
 #include "framework/builder/terms.h"
 
 #include "framework/base/interrupt.h"
+#include "framework/builder/guard.h"
 
 #include <fcntl.h>
 #include <pthread.h>
@@ -189,6 +190,7 @@ static void list_and_put_back(const bb_terms *terms, char *list, size_t capacity
 static void end(bb_terms *terms, char *list, size_t capacity)
 {
     list[0] = '\0';
+    bb_guard_leave();
     list_and_put_back(terms, list, capacity);
     if (terms->folder_at >= 0)
         close(terms->folder_at);

@@ -1,6 +1,7 @@
 #include "framework/cli/choice.h"
 
 #include "framework/base/progress.h"
+#include "framework/builder/guard.h"
 #include "framework/builder/registry.h"
 #include "framework/device/device_private.h"
 #include "framework/report/report.h"
@@ -28,6 +29,9 @@ const bb_cli_option bb_device_options[] = {
     {"handover", NULL, "how work-groups hand over data", BB_INTO(bb_device_choice, handover),
      .words = "auto|fence|levels", .fallback = "auto"},
     {.kind = BB_CLI_GROUP, .group = bb_plugin_options},
+    {"patience", "S",
+     "seconds that a builder may take in one call, before it is ended and left out; 0: no limit",
+     BB_INTO(bb_device_choice, patience), .high = 1u << 30, .fallback = BB_GUARD_PATIENCE},
     {"kernels-from", "DIR", "folder whose files replace the built-in device code of the same names",
      BB_INTO(bb_device_choice, kernels_from)},
     {.name = NULL},
@@ -63,6 +67,7 @@ static bb_status check_folder(const char *path)
 bb_status bb_open_device(const bb_device_choice *choice, bb_device **device)
 {
     const char *folder = choice->kernels_from;
+    bb_guard_patience(choice->patience);
     if (folder != NULL)
         BB_TRY(check_folder(folder));
     BB_TRY(bb_device_open(choice->name, (bb_form)choice->form, folder, device));

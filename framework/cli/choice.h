@@ -13,6 +13,7 @@
 typedef struct bb_device_choice {
     const char *name; /* index or part of the name; NULL: the first device */
     const char *kernels_from;
+    uint32_t patience; /* seconds that a hook may take; 0: no limit */
     uint32_t form;     /* bb_form */
     uint32_t handover; /* bb_handover */
     bb_names plugins;

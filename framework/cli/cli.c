@@ -3,6 +3,7 @@
 
 #include "framework/base/interrupt.h"
 #include "framework/base/suggest.h"
+#include "framework/builder/guard.h"
 #include "framework/cli/out_option.h"
 
 #include <errno.h>
@@ -70,7 +71,9 @@ static void print_overview(FILE *out)
           "2 it could not be done (one line on standard error says why); 130 interrupted;\n"
           "141 the output was not read to its end; all else was done\n"
           "environment: BVHBENCH_PLUGINS=A.so:B.so loads builders for every command;\n"
-          "BVHBENCH_SCENES=DIR is the folder of the shipped scenes\n",
+          "BVHBENCH_SCENES=DIR is the folder of the shipped scenes;\n"
+          "BVHBENCH_GUARD=no works in this process, for debuggers: a builder's death is its own "
+          "then\n",
           out);
 }
 
@@ -94,6 +97,7 @@ static bb_status flush_output(bb_status status)
 
 static int end(bb_status status, int exit_status)
 {
+    bb_guard_end();
     if (flush_output(status) == BB_OK)
         return exit_status;
     fprintf(stderr, "bvhbench: %s\n", bb_message());
@@ -109,6 +113,7 @@ static int run_command(const bb_command *command, int argc, char **argv)
     if (status == BB_OK && help) {
         status = bb_cli_help(command, stdout);
     } else if (status == BB_OK) {
+        bb_guard_start(command->goes_on, BB_EXIT_WRONG, BB_EXIT_CANNOT);
         status = command->run(&cli, cli.values, &exit_status);
         if (command->release != NULL)
             command->release(cli.values);

@@ -253,6 +253,7 @@ const bb_command bb_command_advise = {
         "other.",
     .options = options,
     .bytes = sizeof(advising),
+    .goes_on = true,
     .run = run,
     .release = release,
 };

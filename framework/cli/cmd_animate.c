@@ -192,6 +192,7 @@ const bb_command bb_command_animate = {
     .more_help = more_help,
     .options = options,
     .bytes = sizeof(job),
+    .goes_on = true,
     .run = run,
     .release = release,
 };

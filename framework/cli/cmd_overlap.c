@@ -132,6 +132,7 @@ const bb_command bb_command_overlap = {
     .more_help = bb_print_mesh_builders,
     .options = options,
     .bytes = sizeof(job),
+    .goes_on = true,
     .run = run,
     .release = release,
 };

@@ -86,5 +86,6 @@ const bb_command bb_command_reproduce = {
         "or kernel failed. A claim that does not hold is not a failure.",
     .options = options,
     .bytes = sizeof(wanted),
+    .goes_on = true,
     .run = run,
 };

@@ -302,6 +302,7 @@ const bb_command bb_command_run = {
     .more_help = list_metrics,
     .options = options,
     .bytes = sizeof(comparison),
+    .goes_on = true,
     .run = run,
     .release = release,
 };

@@ -242,6 +242,7 @@ const bb_command bb_command_volume = {
     .more_help = bb_print_volume_builders,
     .options = options,
     .bytes = sizeof(job),
+    .goes_on = true,
     .run = run,
     .release = release,
 };

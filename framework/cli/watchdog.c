@@ -2,6 +2,7 @@
 
 #include "framework/base/clock.h"
 #include "framework/base/uncounted.h"
+#include "framework/builder/guard.h"
 #include "framework/cli/cli.h"
 
 #include <signal.h>
@@ -29,6 +30,7 @@ static void give_up(int signal_number)
         alarm(1 + (unsigned)(left / 1e3));
         return;
     }
+    bb_guard_end();
     for (size_t at = 0; at < length;) {
         ssize_t written = write(STDOUT_FILENO, words + at, length - at);
         if (written <= 0)

@@ -3,6 +3,7 @@
 #include "framework/base/clock.h"
 #include "framework/base/interrupt.h"
 #include "framework/base/steering.h"
+#include "framework/builder/guard.h"
 
 #include <errno.h>
 #include <signal.h>
@@ -103,6 +104,7 @@ static bb_child_end watch(pid_t child, const bb_child_limits *limits, int *statu
         nanosleep(&pause, NULL);
     }
     kill(-child, SIGKILL); /* processes that it left */
+    bb_guard_leave();
     return killed;
 }
 

@@ -1,8 +1,10 @@
 /* wreck: one leaf over everything, which is right, until a scene has more primitives than it is
- * told; then it goes wrong in the manner it is told. For the tests of `stress`. */
+ * told; then it goes wrong in the manner it is told. For the tests of `stress`, and of the death of a
+ * builder in each of its hooks. */
 #include "framework/builder/builder.h"
 
 #include <math.h>
+#include <pthread.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,8 +12,13 @@
 
 static const bb_option options[] = {
     {"above", "100", NULL, "primitives from which on all goes wrong"},
-    {"how", "right", "right|crash|exit|exit0|term|late|tire|hang|flood|wrong|refuse|fail|slow|big",
+    {"how", "right",
+     "right|crash|exit|exit0|overflow|beside|term|late|tire|hang|flood|wrong|refuse|fail|slow|big",
      "what goes wrong"},
+    {"at", "build", "create|prepare|restore|build|describe|decide|destroy",
+     "in which hook; in others than build only crash, exit, exit0, overflow, beside and hang, in "
+     "any "
+     "scene"},
     {.name = NULL},
 };
 
@@ -23,20 +30,61 @@ typedef struct wreck {
     void *more; /* big: what it takes */
 } wreck;
 
+/* Fills the stack. */
+static int overflow(volatile int *depth)
+{
+    volatile int more[1024];
+    more[0] = *depth + 1;
+    return more[0] < 0 ? 0 : overflow(more) + more[0];
+}
+
+static void *abort_soon(void *none)
+{
+    usleep(100000);
+    abort();
+    return none;
+}
+
+static void die(const char *how)
+{
+    pthread_t thread;
+    if (strcmp(how, "beside") == 0 && pthread_create(&thread, NULL, abort_soon, NULL) == 0)
+        pthread_detach(thread);
+    if (strcmp(how, "crash") == 0)
+        abort();
+    if (strcmp(how, "exit") == 0)
+        exit(3);
+    if (strcmp(how, "exit0") == 0)
+        exit(0);
+    if (strcmp(how, "overflow") == 0)
+        overflow(&(int){0});
+    while (strcmp(how, "hang") == 0)
+        usleep(1000);
+}
+
+static void die_at(const bb_spec *spec, const char *hook)
+{
+    if (strcmp(bb_spec_value(spec, options, "at"), hook) == 0 && strcmp(hook, "build") != 0)
+        die(bb_spec_value(spec, options, "how"));
+}
+
 static bb_status create(const bb_builder_context *context, void **out)
 {
     wreck *self = NULL;
     BB_TRY(bb_host_alloc(context->account, sizeof *self, "wreck: object", &self));
     *self = (wreck){.context = context};
     *out = self;
+    die_at(context->spec, "create");
     return bb_spec_u64(context->spec, options, "above", 1, UINT32_MAX, &self->above);
 }
 
 static void destroy(void *opaque)
 {
     wreck *self = opaque;
-    if (self != NULL)
+    if (self != NULL) {
+        die_at(self->context->spec, "destroy");
         bb_host_free(self->more);
+    }
     bb_host_free(self);
 }
 
@@ -51,12 +99,7 @@ static void flood(void)
 
 static bb_status go_wrong(wreck *self, const char *how, bb_tree *tree)
 {
-    if (strcmp(how, "crash") == 0)
-        abort();
-    if (strcmp(how, "exit") == 0)
-        _exit(3);
-    if (strcmp(how, "exit0") == 0)
-        _exit(0);
+    die(how);
     if (strcmp(how, "term") == 0)
         kill(getpid(), SIGTERM);
     if (strcmp(how, "late") == 0 && ++builds > 5)
@@ -65,8 +108,6 @@ static bb_status go_wrong(wreck *self, const char *how, bb_tree *tree)
         return bb_fail(BB_FAILED, "wreck: it is tired, as told");
     if (strcmp(how, "flood") == 0)
         flood();
-    while (strcmp(how, "hang") == 0)
-        usleep(1000);
     if (strcmp(how, "refuse") == 0)
         return bb_fail(BB_REFUSED, "wreck: more than %llu are too many for it",
                        (unsigned long long)self->above);
@@ -102,9 +143,41 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
     }
     for (uint32_t i = 0; i < count; i++)
         tree->refs[i] = i | (i + 1 == count ? BB_LAST_BIT : 0);
-    if (count > self->above)
+    if (count > self->above &&
+        strcmp(bb_spec_value(self->context->spec, options, "at"), "build") == 0)
         BB_TRY(go_wrong(self, bb_spec_value(self->context->spec, options, "how"), tree));
     return bb_phase(phases, NULL);
+}
+
+static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
+{
+    (void)scene;
+    (void)tree;
+    die_at(((wreck *)opaque)->context->spec, "prepare");
+    return BB_OK;
+}
+
+static bb_status restore(void *opaque, const bb_scene *scene)
+{
+    (void)scene;
+    die_at(((wreck *)opaque)->context->spec, "restore");
+    return BB_OK;
+}
+
+static bb_status describe(void *opaque, const bb_scene *scene, char *text, size_t capacity)
+{
+    (void)scene;
+    (void)text;
+    (void)capacity;
+    die_at(((wreck *)opaque)->context->spec, "describe");
+    return BB_OK;
+}
+
+static void decide(void *opaque, const bb_scene *scene, bb_decisions *decisions)
+{
+    (void)scene;
+    (void)decisions;
+    die_at(((wreck *)opaque)->context->spec, "decide");
 }
 
 const bb_builder bb_builder_wreck = {
@@ -119,5 +192,9 @@ const bb_builder bb_builder_wreck = {
     .options = options,
     .create = create,
     .build = build,
+    .prepare = prepare,
+    .restore = restore,
+    .describe = describe,
+    .decide = decide,
     .destroy = destroy,
 };

@@ -1,0 +1,253 @@
+#include "framework/builder/guard.h"
+
+#include "framework/base/clock.h"
+#include "framework/base/steering.h"
+
+#include <signal.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { ROW = 512, WHO = 512, HOOK = 32, SCENE = 512, ENOUGH = 3 };
+
+typedef struct death {
+    char scene[SCENE], row[ROW], words[WHO + 256];
+} death;
+
+/* Shared by guardian and guarded. The guardian reads the texts while the guarded process is in a
+ * hook, or after its end, and writes deaths while there is none. */
+typedef struct page {
+    atomic_bool ended;    /* bb_guard_end() */
+    atomic_uint patience; /* seconds */
+    _Atomic double since; /* a hook began, by bb_wall_ms(); 0: there is none */
+    char scene[SCENE], row[ROW], who[WHO], hook[HOOK]; /* the last hook */
+    uint32_t death_count;
+    death deaths[BB_DEATHS_MAX];
+} page;
+
+static page *shared; /* NULL: not guarded */
+
+/* ---- the guarded process ---- */
+
+static void note(char *to, size_t capacity, const char *text)
+{
+    snprintf(to, capacity, "%s", text);
+}
+
+void bb_guard_end(void)
+{
+    if (shared != NULL)
+        atomic_store(&shared->ended, true);
+}
+
+void bb_guard_patience(uint32_t seconds)
+{
+    if (shared != NULL)
+        atomic_store(&shared->patience, seconds);
+}
+
+void bb_guard_enter(bb_guarded whose, const char *who, const char *hook)
+{
+    if (shared == NULL)
+        return;
+    note(shared->scene, sizeof shared->scene, whose.scene);
+    note(shared->row, sizeof shared->row, whose.row);
+    note(shared->who, sizeof shared->who, who);
+    note(shared->hook, sizeof shared->hook, hook);
+    atomic_store(&shared->since, bb_wall_ms());
+}
+
+void bb_guard_leave(void)
+{
+    if (shared != NULL)
+        atomic_store(&shared->since, 0.0);
+}
+
+const char *bb_guard_death(bb_guarded whose)
+{
+    const death *last = NULL;
+    uint32_t count = 0;
+    for (uint32_t i = 0; shared != NULL && i < shared->death_count; i++) {
+        const death *d = &shared->deaths[i];
+        if (strncmp(d->row, whose.row, sizeof d->row - 1) != 0)
+            continue;
+        if (d->scene[0] == '\0' || strncmp(d->scene, whose.scene, sizeof d->scene - 1) == 0)
+            return d->words;
+        last = d;
+        count++;
+    }
+    return count >= ENOUGH ? last->words : NULL;
+}
+
+/* ---- the guardian ---- */
+
+/* Ends as the signal ends a process. */
+static _Noreturn void end_by(int signal_number)
+{
+    sigset_t all;
+    signal(signal_number, SIG_DFL);
+    sigfillset(&all);
+    sigprocmask(SIG_UNBLOCK, &all, NULL);
+    raise(signal_number);
+    _exit(128 + signal_number);
+}
+
+static bool in_hook(void)
+{
+    return atomic_load(&shared->since) > 0;
+}
+
+static bool is_hung(void)
+{
+    const double since = atomic_load(&shared->since), seconds = atomic_load(&shared->patience);
+    return since > 0 && seconds > 0 && bb_wall_ms() - since > 1e3 * seconds;
+}
+
+/* Stops with its child, and goes on with it. */
+static void pause_with(pid_t child)
+{
+    kill(-child, SIGSTOP);
+    raise(SIGSTOP);
+    kill(-child, SIGCONT);
+}
+
+/* Waits for the end of the child, and passes signals on; returns whether it was killed because a
+ * hook took too long. */
+static bool watch(pid_t child, const sigset_t *signals, int *status)
+{
+    const struct timespec second = {1, 0};
+    bool hung = false;
+    while (waitpid(child, status, WNOHANG) == 0) {
+        siginfo_t info;
+        const int caught = sigtimedwait(signals, &info, &second);
+        if (caught == SIGTSTP)
+            pause_with(child);
+        else if (caught > 0 && caught != SIGCHLD)
+            kill(child, caught);
+        if (!hung && is_hung()) {
+            hung = true;
+            kill(child, SIGKILL);
+        }
+    }
+    return hung;
+}
+
+/* How the child ended. */
+static void describe_end(int status, bool hung, char *words, size_t capacity)
+{
+    if (hung)
+        snprintf(words, capacity, "it had not returned after %u s (--patience), and was killed",
+                 atomic_load(&shared->patience));
+    else if (WIFSIGNALED(status))
+        snprintf(words, capacity, "signal %d (%s)%s", WTERMSIG(status), strsignal(WTERMSIG(status)),
+                 WTERMSIG(status) == SIGKILL ? ", probably for want of memory" : "");
+    else
+        snprintf(words, capacity, "it called exit(%d)", WEXITSTATUS(status));
+}
+
+/* Adds the death of the row whose hook was called; false: there is no such row, no room, or it has
+ * died there before. */
+static bool add_death(const char *how)
+{
+    if (shared->row[0] == '\0' || shared->death_count == BB_DEATHS_MAX ||
+        bb_guard_death((bb_guarded){shared->scene, shared->row}) != NULL)
+        return false;
+    death *d = &shared->deaths[shared->death_count++];
+    note(d->scene, sizeof d->scene, shared->scene);
+    note(d->row, sizeof d->row, shared->row);
+    snprintf(d->words, sizeof d->words, "%s died in %s(): %s", shared->who, shared->hook, how);
+    bb_calm_text(d->words);
+    return true;
+}
+
+/* Says how the child died; returns whether to begin again. */
+static bool mourn(int status, bool hung, bool again)
+{
+    char how[128], line[2 * SCENE + WHO + 256];
+    describe_end(status, hung, how, sizeof how);
+    if (!in_hook()) {
+        snprintf(line, sizeof line, "the program died: %s%s%s", how,
+                 shared->hook[0] != '\0' ? "; the last hook was of " : "", shared->who);
+        again = false;
+    } else {
+        snprintf(line, sizeof line, "%s%s%s died in %s(): %s", shared->scene,
+                 shared->scene[0] != '\0' ? ": " : "", shared->who, shared->hook, how);
+        again = again && add_death(how);
+    }
+    bb_calm_text(line);
+    if (isatty(STDERR_FILENO))
+        fputs("\r\033[K", stderr); /* over a line of progress */
+    fprintf(stderr, "bvhbench: %s%s\n", line, again ? "; beginning again without it" : "");
+    return again;
+}
+
+/* Whether a user or a reader that went away ended it. */
+static bool was_asked_to_end(int status)
+{
+    static const int by[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE};
+    for (size_t i = 0; WIFSIGNALED(status) && i < sizeof by / sizeof by[0]; i++)
+        if (WTERMSIG(status) == by[i])
+            return true;
+    return false;
+}
+
+/* The child has a process group of its own, so that each signal reaches it once. */
+static void be_child(pid_t parent, const sigset_t *mask)
+{
+    setpgid(0, 0);
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != parent)
+        _exit(1);
+    sigprocmask(SIG_SETMASK, mask, NULL);
+}
+
+void bb_guard_start(bool again, int exit_died, int exit_cannot)
+{
+    static const int passed[] = {SIGCHLD, SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGTSTP};
+    const char *wanted = getenv("BVHBENCH_GUARD");
+    if (wanted != NULL && strcmp(wanted, "no") == 0)
+        return;
+    shared = mmap(NULL, sizeof *shared, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    if (shared == MAP_FAILED) {
+        shared = NULL;
+        return;
+    }
+    shared->patience = (unsigned)atoi(BB_GUARD_PATIENCE);
+    sigset_t signals, mask;
+    sigemptyset(&signals);
+    for (size_t i = 0; i < sizeof passed / sizeof passed[0]; i++)
+        sigaddset(&signals, passed[i]);
+    signal(SIGCHLD, SIG_DFL); /* an ignored signal would discard the status */
+    sigprocmask(SIG_BLOCK, &signals, &mask);
+    for (;;) {
+        const pid_t parent = getpid();
+        int status = 0;
+        fflush(NULL); /* the child would write buffered text again */
+        const pid_t child = fork();
+        if (child <= 0) {
+            if (child == 0)
+                be_child(parent, &mask);
+            else
+                munmap(shared, sizeof *shared), shared = NULL;
+            sigprocmask(SIG_SETMASK, &mask, NULL);
+            return;
+        }
+        setpgid(child, child);
+        const bool hung = watch(child, &signals, &status);
+        kill(-child, SIGKILL); /* processes that it left */
+        if (WIFEXITED(status) && atomic_load(&shared->ended))
+            _exit(WEXITSTATUS(status) == 0 && shared->death_count > 0 ? exit_died
+                                                                      : WEXITSTATUS(status));
+        if (was_asked_to_end(status) && !hung)
+            end_by(WTERMSIG(status));
+        if (!mourn(status, hung, again))
+            _exit(in_hook() && shared->row[0] == '\0' ? exit_cannot : exit_died);
+        atomic_store(&shared->since, 0.0);
+    }
+}

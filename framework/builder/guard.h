@@ -1,0 +1,45 @@
+/* A guardian: a process without threads or devices, which waits for the one that works. Code of
+ * others runs in the process that works, and may crash, call exit() or never return: the guardian
+ * then says who it was, and starts the work again without it.
+ *
+ * Both share a page, in which the working process notes whose hook it has called. The guardian only
+ * waits, so it costs a fork() before the work begins, and nothing while something is timed. */
+#ifndef BB_GUARD_H
+#define BB_GUARD_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+/* Forks, and returns in the child, which works. The parent never returns: it passes on SIGINT,
+ * SIGTERM, SIGHUP, SIGQUIT and SIGTSTP, and ends as the child does. If the child ends within a hook
+ * or before bb_guard_end(), one line on standard error says so. After a death within a hook, and
+ * with `again`, it forks once more, up to BB_DEATHS_MAX times. The exit status is not 0 then:
+ * `exit_died`, or `exit_cannot` if nothing can go on without the dead. Without a fork, or if the environment has BVHBENCH_GUARD=no, it returns unguarded. The
+ * process must not have other threads. */
+void bb_guard_start(bool again, int exit_died, int exit_cannot);
+/* The work is done: from now on the process may end. */
+void bb_guard_end(void);
+
+enum { BB_DEATHS_MAX = 32 };
+#define BB_GUARD_PATIENCE "600"
+
+/* The following calls do nothing in processes that are not guarded. */
+
+/* A hook takes at most so many seconds of wall time; 0: no limit. Before the first call it is
+ * BB_GUARD_PATIENCE. */
+void bb_guard_patience(uint32_t seconds);
+/* Who may die. */
+typedef struct bb_guarded {
+    const char *scene; /* on which it works; "": none */
+    const char *row;   /* what would be missing: a builder's specification, a cell; "": all */
+} bb_guarded;
+
+/* A hook of `who` is about to be called. */
+void bb_guard_enter(bb_guarded whose, const char *who, const char *hook);
+/* It has returned. */
+void bb_guard_leave(void);
+/* Returns "WHO died in HOOK(): how" if the row has died at this scene, at none, or at three
+ * others, else NULL. The text stays until the process ends. */
+const char *bb_guard_death(bb_guarded whose);
+
+#endif

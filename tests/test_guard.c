@@ -1,0 +1,274 @@
+/* The death of a builder, in each of its hooks and in each manner, costs its row and no other's. */
+#include "tests/program_fixture.h"
+
+#include <signal.h>
+
+#define WRECK "--plugin " BB_TEST_PLUGIN_DIR "/wreck.so "
+#define SMALL                                                                                      \
+    WRECK "--kernel stack --rays primary --size 32x32 --repeats 1 --no-pictures --charts no "      \
+          "--out "
+
+static const cJSON *field(const cJSON *row, const char *name)
+{
+    return cJSON_GetObjectItemCaseSensitive(row, name);
+}
+
+static bool has(const cJSON *row, const char *name, const char *text)
+{
+    const char *value = cJSON_GetStringValue(field(row, name));
+    return value != NULL && strcmp(value, text) == 0;
+}
+
+typedef struct fates {
+    int ours_ok, ours_bad, dead, alive; /* builds by lbvh, by wreck */
+    char reason[512];                   /* of the last dead */
+} fates;
+
+static fates fates_in(const char *file)
+{
+    fates f = {0};
+    const cJSON *build;
+    cJSON *json = read_results(file);
+    cJSON_ArrayForEach(build, field(json, "builds"))
+    {
+        const bool ok = has(build, "status", "ok");
+        if (has(build, "builder", "lbvh")) {
+            f.ours_ok += ok;
+            f.ours_bad += !ok;
+        } else if (strncmp(cJSON_GetStringValue(field(build, "builder")), "wreck", 5) == 0) {
+            f.alive += ok;
+            f.dead += !ok;
+            if (!ok)
+                snprintf(f.reason, sizeof f.reason, "%s",
+                         cJSON_GetStringValue(field(build, "reason")));
+        }
+    }
+    cJSON_Delete(json);
+    return f;
+}
+
+/* `words` must be in the row's reason and on standard error. */
+static void dies(const char *how, const char *options, const char *words, int dead)
+{
+    char arguments[1024];
+    snprintf(arguments, sizeof arguments,
+             "run --scene sphere-mesh:n=8,cube --builder lbvh,wreck:how=%s " SMALL "died %s", how,
+             options);
+    const outcome *o = run(arguments);
+    if (o->exit_status != 1 || strstr(o->err, words) == NULL ||
+        strstr(o->err, "; beginning again without it\n") == NULL)
+        fail_msg("%s: exit %d: %s", how, o->exit_status, o->err);
+    const fates f = fates_in("died/results.json");
+    if (f.ours_ok != 2 || f.ours_bad != 0 || f.dead != dead || f.alive != 2 - dead ||
+        strstr(f.reason, words) == NULL)
+        fail_msg("%s: %d and %d, %d and %d: %s", how, f.ours_ok, f.ours_bad, f.dead, f.alive,
+                 f.reason);
+}
+
+static void each_hook_may_die(void **state)
+{
+    (void)state;
+    static const char *const hooks[] = {"create", "prepare",  "restore",
+                                        "decide", "describe", "destroy"};
+    for (size_t i = 0; i < sizeof hooks / sizeof hooks[0]; i++) {
+        char how[64], words[64];
+        snprintf(how, sizeof how, "%s,at=%s", i % 2 ? "crash" : "exit0", hooks[i]);
+        snprintf(words, sizeof words, "wreck died in %s(): ", hooks[i]);
+        dies(how, "", words, 2);
+    }
+}
+
+/* In a scene of more than 100 primitives: the other is measured. */
+static void a_build_may_end_in_each_manner(void **state)
+{
+    (void)state;
+    dies("crash", "", "wreck died in build(): signal 6 (Aborted)", 1);
+    dies("exit", "", "wreck died in build(): it called exit(3)", 1);
+    dies("exit0", "", "wreck died in build(): it called exit(0)", 1);
+    dies("overflow", "", "wreck died in build(): signal 11 (Segmentation fault)", 1);
+    dies("hang", "--patience 1",
+         "wreck died in build(): it had not returned after 1 s (--patience), and was killed", 1);
+}
+
+static void after_three_scenes_it_is_not_started_again(void **state)
+{
+    (void)state;
+    const outcome *o =
+        run("run --scene sphere-mesh:n=8,sphere-mesh:n=9,sphere-mesh:n=10,sphere-"
+            "mesh:n=11,sphere-mesh:n=12 --builder lbvh,wreck:how=crash " SMALL "three");
+    uint32_t lines = 0;
+    for (const char *at = o->err; (at = strstr(at, "beginning again")) != NULL; at++)
+        lines++;
+    assert_int_equal(lines, 3);
+    const fates f = fates_in("three/results.json");
+    assert_int_equal(f.dead, 5);
+    assert_int_equal(f.ours_ok, 5);
+}
+
+static void other_commands_go_on_too(void **state)
+{
+    (void)state;
+    const outcome *o = run("animate --scene twist:n=500,frames=3 --builder lbvh,wreck:how=crash "
+                           "--size 32x32 --max-rays 1000 --repeats 1 --quiet " WRECK);
+    if (o->exit_status != 1 || strstr(o->err, "beginning again") == NULL ||
+        strstr(o->out, "lbvh") == NULL)
+        fail_msg("animate: exit %d: %s%s", o->exit_status, o->err, o->out);
+    o = run("advise --scene sphere-mesh:n=8 --quick --quiet --builder lbvh,wreck:how=exit0 " WRECK);
+    if (o->exit_status != 1 || strstr(o->err, "beginning again") == NULL ||
+        strstr(o->out, "lbvh") == NULL)
+        fail_msg("advise: exit %d: %s%s", o->exit_status, o->err, o->out);
+}
+
+static void says(const char *arguments, int exit_status, const char *words)
+{
+    const outcome *o = run(arguments);
+    if (o->exit_status != exit_status || strcmp(o->err, words) != 0)
+        fail_msg("%s: exit %d: %s", arguments, o->exit_status, o->err);
+}
+
+/* What prints as it goes, or does nothing without the builder, is not begun again. */
+static void commands_that_cannot_go_on_say_who_died(void **state)
+{
+    (void)state;
+    static const char words[] =
+        "bvhbench: sphere-mesh:n=8: wreck died in build(): it called exit(0)\n";
+    says("check --scene sphere-mesh:n=8 --builder wreck:how=exit0 --quiet " WRECK, 1, words);
+    says("render --scene sphere-mesh:n=8 --builder wreck:how=exit0 --out died.png " WRECK, 1,
+         words);
+}
+
+static void a_constructor_that_ends_the_program_is_refused(void **state)
+{
+    (void)state;
+    static const char words[] =
+        "bvhbench: " BB_TEST_PLUGIN_DIR "/deadly.so died in dlopen(): it called exit(0)\n";
+    says("list builders --plugin " BB_TEST_PLUGIN_DIR "/deadly.so", 2, words);
+    says("run --scene cube --out deadly --plugin " BB_TEST_PLUGIN_DIR "/deadly.so", 2, words);
+}
+
+/* Nobody knows whose thread it was. */
+static void a_death_outside_of_hooks_ends_the_run(void **state)
+{
+    (void)state;
+    const outcome *o = run("run --scene sphere-mesh:n=8 --builder wreck:how=beside --repeats 200 "
+                           "--kernel stack --rays primary --no-pictures --charts no --quiet --out "
+                           "beside " WRECK);
+    if (o->exit_status != 1 || strstr(o->err, "signal 6 (Aborted)") == NULL)
+        fail_msg("exit %d: %s", o->exit_status, o->err);
+}
+
+static void without_a_guard_the_death_is_its_own(void **state)
+{
+    (void)state;
+    const outcome *o = run_with("BVHBENCH_GUARD=no", "run --scene sphere-mesh:n=8 --builder "
+                                                     "wreck:how=exit " SMALL "unguarded");
+    assert_int_equal(o->exit_status, 3);
+    assert_null(strstr(o->err, "died"));
+}
+
+/* ---- signals ---- */
+
+static pid_t start_long_run(void)
+{
+    const pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        if (chdir(folder) != 0 || freopen("long.err", "w", stderr) == NULL ||
+            freopen("long.out", "w", stdout) == NULL)
+            _exit(99);
+        execl(BB_TEST_BINARY, BB_TEST_BINARY, "run", "--scene", "cube", "--builder", "lbvh",
+              "--kernel", "stack", "--rays", "primary", "--repeats", "255", "--size", "512x512",
+              "--no-pictures", "--charts", "no", "--out", "long", (char *)NULL);
+        _exit(99);
+    }
+    return child;
+}
+
+/* Returns the process that works for the guardian, once it is there. */
+static pid_t worker_of(pid_t guardian)
+{
+    char path[64];
+    long worker = 0;
+    snprintf(path, sizeof path, "/proc/%ld/task/%ld/children", (long)guardian, (long)guardian);
+    for (int i = 0; i < 500 && worker == 0; i++) {
+        FILE *file = fopen(path, "r");
+        if (file != NULL && fscanf(file, "%ld", &worker) != 1)
+            worker = 0;
+        if (file != NULL)
+            fclose(file);
+        usleep(10000);
+    }
+    assert_true(worker > 0);
+    return (pid_t)worker;
+}
+
+/* Returns the letter of the state in /proc/PID/stat; 0: there is no such process. */
+static char state_of(pid_t process)
+{
+    char path[64], letter = 0;
+    snprintf(path, sizeof path, "/proc/%ld/stat", (long)process);
+    FILE *file = fopen(path, "r");
+    if (file != NULL && fscanf(file, "%*d %*s %c", &letter) != 1)
+        letter = 0;
+    if (file != NULL)
+        fclose(file);
+    return letter;
+}
+
+/* Waits until the process has one of these states; a dead one has 'Z' or 0. */
+static void wait_for(pid_t process, const char *states)
+{
+    const bool gone = strchr(states, 'Z') != NULL;
+    char now = 0;
+    for (int i = 0; i < 1000; i++) {
+        now = state_of(process);
+        if (now == 0 ? gone : strchr(states, now) != NULL)
+            return;
+        usleep(10000);
+    }
+    fail_msg("process %ld is in state '%c', not in one of %s", (long)process, now, states);
+}
+
+static void both_stop_and_go_on_together(void **state)
+{
+    (void)state;
+    int status;
+    const pid_t guardian = start_long_run(), worker = worker_of(guardian);
+    usleep(300000);
+    kill(guardian, SIGTSTP);
+    wait_for(worker, "T");
+    wait_for(guardian, "T");
+    kill(guardian, SIGCONT);
+    wait_for(worker, "RSD");
+    kill(guardian, SIGINT);
+    waitpid(guardian, &status, 0);
+    assert_true(WIFEXITED(status) ? WEXITSTATUS(status) == 130 : WTERMSIG(status) == SIGINT);
+}
+
+static void nobody_works_on_without_its_guardian(void **state)
+{
+    (void)state;
+    int status;
+    const pid_t guardian = start_long_run(), worker = worker_of(guardian);
+    usleep(300000);
+    kill(guardian, SIGKILL);
+    waitpid(guardian, &status, 0);
+    wait_for(worker, "Z");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(each_hook_may_die),
+        cmocka_unit_test(a_build_may_end_in_each_manner),
+        cmocka_unit_test(after_three_scenes_it_is_not_started_again),
+        cmocka_unit_test(other_commands_go_on_too),
+        cmocka_unit_test(commands_that_cannot_go_on_say_who_died),
+        cmocka_unit_test(a_constructor_that_ends_the_program_is_refused),
+        cmocka_unit_test(a_death_outside_of_hooks_ends_the_run),
+        cmocka_unit_test(without_a_guard_the_death_is_its_own),
+        cmocka_unit_test(both_stop_and_go_on_together),
+        cmocka_unit_test(nobody_works_on_without_its_guardian),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
