@@ -119,6 +119,34 @@ static void other_commands_go_on_too(void **state)
         fail_msg("advise: exit %d: %s%s", o->exit_status, o->err, o->out);
 }
 
+/* Hangs one of two kernels: the other is traced by. */
+static void a_kernel_that_hangs_costs_its_cells(void **state)
+{
+    (void)state;
+    char command[1024];
+    snprintf(
+        command, sizeof command,
+        "mkdir -p %s/kernels && sed 's/bb_trail_start(.*;/& for (volatile int spin = 0; spin == "
+        "0;) ;/' " BB_TEST_SOURCE_DIR "/kernels/short.cl >%s/kernels/short.cl",
+        folder, folder);
+    assert_int_equal(system(command), 0);
+    const outcome *o = run("run --scene cube --builder lbvh --kernel stack,short --rays primary "
+                           "--size 32x32 --repeats 1 --no-pictures --charts no --out hung "
+                           "--kernels-from kernels --patience 3");
+    if (o->exit_status != 1 || strstr(o->err, "short on lbvh died in ") == NULL)
+        fail_msg("exit %d: %s", o->exit_status, o->err);
+    const cJSON *trace;
+    int right = 0, hung = 0;
+    cJSON *json = read_results("hung/results.json");
+    cJSON_ArrayForEach(trace, field(json, "traces"))
+    {
+        right += has(trace, "kernel", "stack") && has(trace, "status", "ok");
+        hung += has(trace, "kernel", "short") && has(trace, "status", "failed");
+    }
+    cJSON_Delete(json);
+    assert_true(right > 0 && hung > 0);
+}
+
 static void says(const char *arguments, int exit_status, const char *words)
 {
     const outcome *o = run(arguments);
@@ -263,6 +291,7 @@ int main(void)
         cmocka_unit_test(a_build_may_end_in_each_manner),
         cmocka_unit_test(after_three_scenes_it_is_not_started_again),
         cmocka_unit_test(other_commands_go_on_too),
+        cmocka_unit_test(a_kernel_that_hangs_costs_its_cells),
         cmocka_unit_test(commands_that_cannot_go_on_say_who_died),
         cmocka_unit_test(a_constructor_that_ends_the_program_is_refused),
         cmocka_unit_test(a_death_outside_of_hooks_ends_the_run),
