@@ -180,9 +180,9 @@ static bb_status run_stage(bb_instance *instance, uint32_t i, const bb_scene *sc
         stage->tree->refitted = false;
     bb_stopwatch watch;
     bb_terms terms;
-    bb_terms_take(&terms);
     const char *hook = changed != 0 ? "update" : bb_is_splitter(builder) ? "split" : "build";
     bb_guard_enter(bb_instance_guarded(instance), step->label, hook);
+    bb_terms_take(&terms);
     bb_status status = warm_up(&part);
     if (status == BB_OK)
         status = bb_stopwatch_start(instance->device, &watch);
