@@ -5,12 +5,14 @@
 #include <unistd.h>
 
 static volatile sig_atomic_t noted;
+static volatile sig_atomic_t noted_signals[NSIG];
 
 static void note(int signal_number)
 {
     static const char words[] = "\ninterrupted: ending with what was measured; once more ends it "
                                 "at once\n";
     noted = 1;
+    noted_signals[signal_number] = 1;
     signal(signal_number, SIG_DFL);
     ssize_t written = write(STDERR_FILENO, words, sizeof words - 1);
     (void)written;
@@ -34,6 +36,13 @@ void bb_interrupt_catch(void)
 bool bb_interrupted(void)
 {
     return noted != 0;
+}
+
+bool bb_interrupt_changed(int signal_number, const struct sigaction *then,
+                          const struct sigaction *now)
+{
+    return noted_signals[signal_number] != 0 && then->sa_handler == note &&
+           now->sa_handler == SIG_DFL;
 }
 
 /* ---- pipes ---- */

@@ -4,11 +4,17 @@
 
 #include <stdbool.h>
 
+struct sigaction;
+
 /* From now on the first SIGINT, SIGTERM or SIGHUP is noted; the second ends the program at once. */
 void bb_interrupt_catch(void);
 
 /* Returns whether such a signal came. */
 bool bb_interrupted(void);
+
+/* Whether that is why the action of a signal, `then` before, is another one `now`. */
+bool bb_interrupt_changed(int signal_number, const struct sigaction *then,
+                          const struct sigaction *now);
 
 /* From now on, a write to a pipe without a reader fails, and the program goes on. */
 void bb_pipe_catch(void);

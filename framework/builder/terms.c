@@ -53,7 +53,7 @@ static bool handlers_changed(const bb_terms *terms)
     for (int s = 1; s < BB_TERMS_SIGNALS; s++) {
         struct sigaction now;
         if (sigaction(s, NULL, &now) != 0 || same_handler(&now, &terms->signals[s]) ||
-            (bb_interrupted() && now.sa_handler == SIG_DFL)) /* bb_interrupt_catch() */
+            bb_interrupt_changed(s, &terms->signals[s], &now))
             continue;
         changed = true;
         sigaction(s, &terms->signals[s], NULL);
@@ -71,9 +71,10 @@ static bool mask_changed(const bb_terms *terms)
     return false;
 }
 
-/* Puts back what can be: a hard limit stays lowered without privilege. */
-static bool limits_changed(const bb_terms *terms)
+/* Puts back what can be. *lowered: whether a hard limit stays lowered, for want of privilege. */
+static bool limits_changed(const bb_terms *terms, bool *lowered)
 {
+    *lowered = false;
     bool changed = false;
     for (int r = 0; r < RLIM_NLIMITS; r++) {
         struct rlimit now;
@@ -82,16 +83,35 @@ static bool limits_changed(const bb_terms *terms)
             (now.rlim_cur == then->rlim_cur && now.rlim_max == then->rlim_max))
             continue;
         changed = true;
-        setrlimit((unsigned)r, then);
+        if (setrlimit((unsigned)r, then) == 0)
+            continue;
+        const rlim_t soft = then->rlim_cur < now.rlim_max ? then->rlim_cur : now.rlim_max;
+        setrlimit((unsigned)r, &(struct rlimit){soft, now.rlim_max});
+        *lowered = true;
     }
     return changed;
 }
 
+/* The first name also leads to a folder that nobody may search, or that was removed. */
+static const char *const working_folder[] = {"/proc/self/cwd", "."};
+
+static bool look_at_folder(struct stat *folder)
+{
+    return stat(working_folder[0], folder) == 0 || stat(working_folder[1], folder) == 0;
+}
+
+static int open_folder(void)
+{
+    const int flags = O_PATH | O_DIRECTORY | O_CLOEXEC, at = open(working_folder[0], flags);
+    return at >= 0 ? at : open(working_folder[1], flags);
+}
+
+/* What cannot be looked at is nobody's fault: others may have changed its permissions. */
 static bool folder_changed(const bb_terms *terms)
 {
     struct stat now;
-    return stat(".", &now) != 0 || now.st_dev != terms->folder.st_dev ||
-           now.st_ino != terms->folder.st_ino;
+    return terms->folder_known && look_at_folder(&now) &&
+           (now.st_dev != terms->folder.st_dev || now.st_ino != terms->folder.st_ino);
 }
 
 /* It can only be read by setting it. Meanwhile, files that other threads make are too private. */
@@ -117,8 +137,8 @@ void bb_terms_take(bb_terms *terms)
     for (int r = 0; r < RLIM_NLIMITS; r++)
         getrlimit((unsigned)r, &terms->limits[r]);
     sched_getaffinity(0, sizeof terms->processors, &terms->processors);
-    terms->folder_at = open(".", O_PATH | O_DIRECTORY | O_CLOEXEC);
-    stat(".", &terms->folder);
+    terms->folder_at = open_folder();
+    terms->folder_known = look_at_folder(&terms->folder);
     terms->umask = umask_now();
     bb_environment_take(&terms->environment);
     snprintf(terms->message, sizeof terms->message, "%s", bb_message());
@@ -163,8 +183,11 @@ static void list_and_put_back(const bb_terms *terms, char *list, size_t capacity
         add(list, capacity, "the signal mask");
         pthread_sigmask(SIG_SETMASK, &terms->mask, NULL);
     }
-    if (limits_changed(terms))
+    bool lowered;
+    if (limits_changed(terms, &lowered))
         add(list, capacity, "a resource limit");
+    if (lowered)
+        add(list, capacity, "whose hard limit stays lowered");
     if (processors_changed(terms)) {
         add(list, capacity, "the processors to run on");
         sched_setaffinity(0, sizeof terms->processors, &terms->processors);

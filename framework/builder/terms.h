@@ -27,8 +27,9 @@ typedef struct bb_terms {
     sigset_t mask;
     struct rlimit limits[RLIM_NLIMITS];
     cpu_set_t processors;
-    struct stat folder;
-    int folder_at; /* descriptor of the working folder; -1: it cannot be opened */
+    struct stat folder; /* the working one */
+    bool folder_known;
+    int folder_at; /* its descriptor; -1: it cannot be opened */
     mode_t umask;
     bb_environment environment;
     char message[BB_MESSAGE_MAX]; /* bb_message() */
