@@ -14,8 +14,9 @@
  * SIGTERM, SIGHUP, SIGQUIT and SIGTSTP, and ends as the child does. If the child ends within a hook
  * or before bb_guard_end(), one line on standard error says so. After a death within a hook, and
  * with `again`, it forks once more, up to BB_DEATHS_MAX times. The exit status is not 0 then:
- * `exit_died`, or `exit_cannot` if nothing can go on without the dead. Without a fork, or if the environment has BVHBENCH_GUARD=no, it returns unguarded. The
- * process must not have other threads. */
+ * `exit_died`, or `exit_cannot` if nothing can go on without the dead. Without a fork, or if the
+ * environment has BVHBENCH_GUARD=no, it returns unguarded. The process must not have other
+ * threads. */
 void bb_guard_start(bool again, int exit_died, int exit_cannot);
 /* The work is done: from now on the process may end. */
 void bb_guard_end(void);

@@ -1,6 +1,6 @@
 /* wreck: one leaf over everything, which is right, until a scene has more primitives than it is
- * told; then it goes wrong in the manner it is told. For the tests of `stress`, and of the death of a
- * builder in each of its hooks. */
+ * told; then it goes wrong in the manner it is told. For the tests of `stress`, and of the death of
+ * a builder in each of its hooks. */
 #include "framework/builder/builder.h"
 
 #include <math.h>
