@@ -94,19 +94,33 @@ static void put(bb_json *json, const char *text)
     append(json, text, strlen(text));
 }
 
+/* The code of a letter of up to three bytes. */
+static unsigned code_of(const char *letter, int length)
+{
+    unsigned code = (unsigned char)letter[0] & (length == 1 ? 0xFFu : 0x7Fu >> length);
+    for (int i = 1; i < length; i++)
+        code = code << 6 | ((unsigned char)letter[i] & 0x3F);
+    return code;
+}
+
+/* A terminal may show it: what steers one is escaped. */
 static void put_string(bb_json *json, const char *text)
 {
     static const char special[] = "\"\\\b\f\n\r\t", letters[] = "\"\\bfnrt";
     put(json, "\"");
-    for (const char *at = text; *at != '\0'; at++) {
-        const char *found = strchr(special, *at);
-        char escape[8] = {'\\', found != NULL ? letters[found - special] : '\0'};
-        if (found == NULL && (unsigned char)*at < ' ')
-            snprintf(escape, sizeof escape, "\\u%04x", (unsigned)*at);
-        if (found != NULL || (unsigned char)*at < ' ')
+    while (*text != '\0') {
+        bool calm;
+        const int length = bb_letter(text, &calm);
+        const char *found = strchr(special, *text);
+        const unsigned code = code_of(text, length);
+        char escape[16] = {'\\', found != NULL ? letters[found - special] : '\0'};
+        if (found == NULL)
+            snprintf(escape, sizeof escape, "\\u%04x", code);
+        if (found != NULL || (!calm && (length > 1 || code < 0x80)))
             put(json, escape);
         else
-            append(json, at, 1);
+            append(json, text, (size_t)length); /* also what is not UTF-8 */
+        text += length;
     }
     put(json, "\"");
 }

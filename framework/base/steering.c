@@ -104,3 +104,14 @@ void bb_calm_text(char *text)
     }
     *to = '\0';
 }
+
+void bb_print_calm_lines(const char *text, FILE *out)
+{
+    while (*text != '\0') {
+        bool calm = true;
+        const bool ends = strncmp(text, "\r\n", 2) == 0;
+        const int length = ends ? 2 : bb_letter(text, &calm);
+        fwrite(calm ? text : "?", 1, calm ? (size_t)length : 1, out);
+        text += length;
+    }
+}

@@ -3,6 +3,7 @@
 #define BB_STEERING_H
 
 #include <stdbool.h>
+#include <stdio.h>
 
 /* Returns the length in bytes of the first character of `text`, which is not empty; 1 if it is not
  * UTF-8. *calm: whether it is valid UTF-8, no control character, and does not turn the direction of
@@ -18,5 +19,8 @@ char *bb_utf8_text(const char *text);
 
 /* Replaces each character that is not calm by '?'. */
 void bb_calm_text(char *text);
+
+/* Prints lines that end with "\r\n", with '?' for each other character that is not calm. */
+void bb_print_calm_lines(const char *text, FILE *out);
 
 #endif

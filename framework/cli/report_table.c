@@ -2,6 +2,7 @@
 
 #include "framework/advise/advise.h"
 #include "framework/base/file.h"
+#include "framework/base/steering.h"
 #include "framework/cli/inputs.h"
 #include "framework/report/report.h"
 #include "framework/stress/stress.h"
@@ -32,7 +33,7 @@ static bb_status print_csv(const bb_table *table)
     char *text = bb_table_csv(table);
     if (text == NULL)
         return bb_fail(BB_REFUSED, "report: no memory");
-    fputs(text, stdout);
+    bb_print_calm_lines(text, stdout); /* a terminal, too, may show it */
     free(text);
     return BB_OK;
 }

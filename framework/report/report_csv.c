@@ -65,18 +65,6 @@ static void put_trace(const line *l, const bb_entry *trace)
         put(l, "tree_", bb_metrics[i]->name, NULL, bb_get_metric(build, bb_metrics[i]));
 }
 
-/* A terminal, too, may show it. */
-static void print_calm(const char *text, FILE *out)
-{
-    while (*text != '\0') {
-        bool calm = true;
-        const bool ends = strncmp(text, "\r\n", 2) == 0;
-        const int length = ends ? 2 : bb_letter(text, &calm);
-        fwrite(calm ? text : "?", 1, calm ? (size_t)length : 1, out);
-        text += length;
-    }
-}
-
 bb_status bb_report_csv(const bb_results *results, FILE *out)
 {
     const bb_table *from = bb_results_table(results);
@@ -94,7 +82,7 @@ bb_status bb_report_csv(const bb_results *results, FILE *out)
     bb_table_free(l.table);
     if (text == NULL)
         return bb_fail(BB_REFUSED, "report: no memory");
-    print_calm(text, out);
+    bb_print_calm_lines(text, out); /* a terminal, too, may show it */
     free(text);
     return ferror(out) ? bb_fail(BB_FAILED, "cannot write the table") : BB_OK;
 }

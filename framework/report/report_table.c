@@ -103,6 +103,16 @@ static void put_number(bb_page *page, double value)
     bb_page_put_figure(page, figure, 0);
 }
 
+/* The builder; of merged results, further runs have their number behind it, as in the summary. */
+static void put_builder(bb_page *page, const bb_entry *row, bb_field_id builder)
+{
+    char text[1100];
+    const uint32_t run = bb_run_of(row);
+    snprintf(text, sizeof text, run > 0 ? "%.1024s #%u" : "%.1024s", bb_get_text(row, builder),
+             run + 1);
+    bb_page_put_text(page, text);
+}
+
 /* A median with its interval; with its range if there are too few rounds; or alone. The ends are
  * the four fields from `low` on. */
 static void put_median(bb_page *page, const bb_entry *row, bb_field_id median, bb_field_id low)
@@ -180,7 +190,7 @@ static void add_layouts(bb_page *page, const bb_section *builds, const char *sce
         if (!begun)
             begin_layouts(page);
         begun = true;
-        bb_page_put_text(page, bb_get_text(build, BB_F_BUILD_BUILDER));
+        put_builder(page, build, BB_F_BUILD_BUILDER);
         bb_page_put_text(page, bb_part_name(layout));
         put_number(page, bb_get_number(layout, BB_F_BUILD_LAYOUTS_MS));
         put_number(page, bb_first_ray_ms(build, bb_part_name(layout)));
@@ -192,7 +202,8 @@ static void add_build(bb_page *page, const bb_entry *build, const bb_metric *con
 {
     const bb_entry *layout = bb_first_part(build, BB_F_BUILD_LAYOUTS_MS);
     const double native = bb_get_number(build, BB_F_BUILD_BYTES_NATIVE);
-    put_fields(page, build, of_builds, OF_BUILDS);
+    put_builder(page, build, of_builds[0]);
+    put_fields(page, build, of_builds + 1, OF_BUILDS - 1);
     put_median(page, build, BB_F_BUILD_MS_MEDIAN, BB_F_BUILD_MS_LO);
     put_number(page, layout != NULL ? bb_get_number(layout, BB_F_BUILD_LAYOUTS_MS) : (double)NAN);
     put_number(page, bb_first_ray_ms(build, layout != NULL ? bb_part_name(layout) : ""));
@@ -342,7 +353,7 @@ static void add_set(bb_page *page, const bb_section *traces, const bb_entry *fir
     {
         if (!same_rays(trace, first))
             continue;
-        bb_page_put_text(page, bb_get_text(trace, BB_F_TRACE_BUILDER));
+        put_builder(page, trace, BB_F_TRACE_BUILDER);
         put_kernel(page, trace);
         put_median(page, trace, BB_F_TRACE_RATE, BB_F_TRACE_RATE_LO);
         put_wrong(page, trace);

@@ -3,6 +3,7 @@
  * Markdown has a few columns more. */
 #include "framework/compare/summary.h"
 #include "framework/report/report.h"
+#include "framework/table/figure.h"
 #include "framework/table/page.h"
 
 #include <math.h>
@@ -68,7 +69,7 @@ static void warn(bb_page *page, const bb_results *results)
 static void put_rank(bb_page *page, const bb_summary *s, const bb_summary_row *row)
 {
     char rank[40] = "-";
-    if (row->partial && !row->reference)
+    if (row->partial)
         snprintf(rank, sizeof rank, "%u/%u", row->sets, s->sets);
     else if (row->group != UINT32_MAX && !row->reference)
         snprintf(rank, sizeof rank, "%u", row->group + 1);
@@ -82,6 +83,14 @@ static void put_number(bb_page *page, double value, char mark)
     bb_page_put_figure(page, figure, mark);
 }
 
+/* None is said: it is not what was not judged. */
+static void put_wrong(bb_page *page, const bb_summary_row *row)
+{
+    char text[BB_FIGURE_MAX];
+    const double wrong = row->checked > 0 ? row->wrong : (double)NAN;
+    bb_page_put_text(page, wrong == 0 ? "none" : bb_figure(text, wrong, 0));
+}
+
 static void add_row(bb_page *page, const bb_summary *s, const bb_summary_row *row, bool wide)
 {
     bb_page_put_text(page, wide && row->run == 0 ? row->builder : row->name);
@@ -93,7 +102,7 @@ static void add_row(bb_page *page, const bb_summary *s, const bb_summary_row *ro
             put_number(page, standing->value, standing->best ? '*' : standing->tied ? '~' : 0);
     }
     put_number(page, row->peak / (1 << 20), 0);
-    put_number(page, row->checked > 0 ? row->wrong : (double)NAN, 0);
+    put_wrong(page, row);
     if (wide)
         put_number(page, row->checked, 0);
 }
@@ -119,7 +128,7 @@ static void add_legend(bb_page *page, const bb_summary *s)
 {
     char ties[80];
     uint32_t partial = 0;
-    for (uint32_t i = 0; i < s->builder_count; i++)
+    for (uint32_t i = 0; i < s->row_count; i++)
         partial += s->rows[i].partial;
     snprintf(ties, sizeof ties,
              s->rounds < BB_INTERVAL_ROUNDS ? "ties take %d rounds to know"
@@ -144,6 +153,17 @@ static void add_legend(bb_page *page, const bb_summary *s)
 
 /* ---- all of it ---- */
 
+/* Whether any run was; of merged results all count. */
+static bool was_interrupted(const bb_results *results)
+{
+    bool any = bb_get_true(bb_results_context(results), BB_F_CONTEXT_INTERRUPTED);
+    bb_each(run, bb_results_section(results, BB_MERGED))
+    {
+        any = any || bb_get_true(run, BB_F_CONTEXT_INTERRUPTED);
+    }
+    return any;
+}
+
 static bb_status show(const bb_results *results, bool wide, FILE *out)
 {
     bb_summary summary;
@@ -159,7 +179,7 @@ static bb_status show(const bb_results *results, bool wide, FILE *out)
     warn(page, results);
     if (bb_summary_implausible(results, implausible))
         bb_page_verdict(page, false, "WARNING: %s", implausible);
-    if (bb_get_true(context, BB_F_CONTEXT_INTERRUPTED))
+    if (was_interrupted(results))
         bb_page_verdict(page, false, "INTERRUPTED: not all that was asked for was measured");
     add_head(page, results, &summary);
     if (summary.row_count > 0) {

@@ -5,6 +5,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static bb_dimension section_of(const bb_page_outline *outline)
@@ -109,27 +110,35 @@ static void add_run(const bb_page_outline *outline, const bb_table *table, bb_pa
             bb_outline_scene(outline, table, bb_table_name(table, row, section_of(outline)), page);
 }
 
-/* The runs of a merged table, one after the other. */
+static bb_status add_numbered(const bb_page_outline *outline, const bb_table *table, uint32_t run,
+                              bb_page *page)
+{
+    bb_table *one;
+    char text[32];
+    snprintf(text, sizeof text, "Run %u", run + 1);
+    if (bb_table_runs(table) > 1)
+        bb_page_heading(page, text);
+    bb_status status = bb_table_of_run(table, run, &one);
+    if (status == BB_OK)
+        add_run(outline, one, page);
+    bb_table_free(one);
+    return status;
+}
+
+/* The runs of a merged table that have rows, one after the other. */
 static bb_status add_runs(const bb_page_outline *outline, const bb_table *table, bb_page *page)
 {
     BB_TRY(bb_table_check_runs(table));
     const uint32_t count = bb_table_runs(table);
-    for (uint32_t run = 0; run < count; run++) {
-        char text[32];
-        bb_table *one;
-        const bb_cell about = {{[BB_RUN] = bb_run_name(run, text)}};
-        if (run > 0 && bb_table_find(table, about) == BB_NO_ROW)
-            continue;
-        snprintf(text, sizeof text, "Run %u", run + 1);
-        if (count > 1)
-            bb_page_heading(page, text);
-        bb_status status = bb_table_of_run(table, run, &one);
-        if (status == BB_OK)
-            add_run(outline, one, page);
-        bb_table_free(one);
-        BB_TRY(status);
-    }
-    return bb_page_status(page);
+    bool *there = calloc(count, sizeof *there);
+    bb_status status = there != NULL ? BB_OK : bb_fail(BB_REFUSED, "no memory for a page");
+    for (uint32_t row = 0; there != NULL && row < bb_table_row_count(table); row++)
+        there[bb_table_run_of(table, row)] = true;
+    for (uint32_t run = 0; run < count && status == BB_OK; run++)
+        if (there[run])
+            status = add_numbered(outline, table, run, page);
+    free(there);
+    return status == BB_OK ? bb_page_status(page) : status;
 }
 
 bb_status bb_outline_page(const bb_page_outline *outline, const bb_table *table, bb_page **out)

@@ -128,7 +128,9 @@ enum { BB_RUNS_MAX = 1000000 };
 
 /* How a run is written as a name; NULL for 0, the first. */
 const char *bb_run_name(uint32_t run, char text[16]);
-/* How many runs there are. */
+/* The number of a row's run; 0 is the first. */
+uint32_t bb_table_run_of(const bb_table *table, uint32_t row);
+/* How many runs there are; not all need have rows. */
 uint32_t bb_table_runs(const bb_table *table);
 /* BB_INVALID if a name of a run is not written in that way. */
 bb_status bb_table_check_runs(const bb_table *table);

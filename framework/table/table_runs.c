@@ -12,7 +12,7 @@ const char *bb_run_name(uint32_t run, char text[16])
     return run > 0 ? text : NULL;
 }
 
-static uint32_t run_of(const bb_table *table, uint32_t row)
+uint32_t bb_table_run_of(const bb_table *table, uint32_t row)
 {
     return (uint32_t)strtoul(bb_table_name(table, row, BB_RUN), NULL, 10);
 }
@@ -21,7 +21,7 @@ uint32_t bb_table_runs(const bb_table *table)
 {
     uint32_t last = 0;
     for (uint32_t row = 0; row < bb_table_row_count(table); row++)
-        last = run_of(table, row) > last ? run_of(table, row) : last;
+        last = bb_table_run_of(table, row) > last ? bb_table_run_of(table, row) : last;
     return last + 1;
 }
 
@@ -46,7 +46,7 @@ bb_status bb_table_of_run(const bb_table *table, uint32_t run, bb_table **out)
     for (uint32_t row = 0; row < bb_table_row_count(table); row++) {
         bb_cell cell = bb_table_cell(table, row);
         cell.names[BB_RUN] = NULL;
-        if (run_of(table, row) == run)
+        if (bb_table_run_of(table, row) == run)
             bb_table_copy(*out, bb_table_row(*out, cell), table, row);
     }
     return bb_table_status(*out);

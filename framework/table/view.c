@@ -337,7 +337,11 @@ static uint32_t group_at(const shown *s, uint32_t place)
 
 static void add_name(const shown *s, uint32_t group, bb_dimension dimension, bb_page *page)
 {
-    const char *name = bb_table_name(s->table, s->rows[s->groups[group]], dimension);
+    const uint32_t row = s->rows[s->groups[group]];
+    char run[16];
+    const char *name = dimension == BB_RUN /* people count from 1, as do the headings of runs */
+                           ? bb_run_name(bb_table_run_of(s->table, row) + 1, run)
+                           : bb_table_name(s->table, row, dimension);
     bb_estimate x = bb_not_measured;
     x.value = is_x(s, dimension) ? strtod(name, NULL) : NAN;
     if (is_x(s, dimension))

@@ -189,7 +189,8 @@ function readAddress() {
 function startVerdict() {
   const warnings = [summaries.busy && `The times are not to be trusted: ${summaries.busy}.`,
     summaries.implausible && `${summaries.implausible}.`,
-    data.context.interrupted && 'The run was interrupted: not all that was asked for was measured.'].filter(Boolean);
+    [data.context, ...(data.merged || [])].some(run => run.interrupted) &&
+      'The run was interrupted: not all that was asked for was measured.'].filter(Boolean);
   $('verdict-warnings').replaceChildren(...warnings.map(text => el('p', { class: 'warning' }, text)));
   for (const [id, key] of [['verdict-scene', 'scene'], ['verdict-rays', 'rays']]) {
     const values = unique(summaries.choices.map(s => s[key]));
