@@ -125,7 +125,7 @@ static bb_status add_numbered(const bb_page_outline *outline, const bb_table *ta
     return status;
 }
 
-/* The runs of a merged table that have rows, one after the other. */
+/* The runs of a merged table that have rows, one after the other. Without rows there is one run. */
 static bb_status add_runs(const bb_page_outline *outline, const bb_table *table, bb_page *page)
 {
     BB_TRY(bb_table_check_runs(table));
@@ -135,7 +135,7 @@ static bb_status add_runs(const bb_page_outline *outline, const bb_table *table,
     for (uint32_t row = 0; there != NULL && row < bb_table_row_count(table); row++)
         there[bb_table_run_of(table, row)] = true;
     for (uint32_t run = 0; run < count && status == BB_OK; run++)
-        if (there[run])
+        if (there[run] || count == 1)
             status = add_numbered(outline, table, run, page);
     free(there);
     return status == BB_OK ? bb_page_status(page) : status;
