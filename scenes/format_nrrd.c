@@ -4,6 +4,7 @@
  * teem reads whatever a header asks for, from anywhere, and of any size. So the header is read
  * first, and its requests are checked. */
 #include "framework/base/file.h"
+#include "framework/base/limits.h"
 #include "framework/base/memory.h"
 #include "scenes/volume_scene.h"
 
@@ -149,9 +150,9 @@ static bb_status check_shape(const char *path, const Nrrd *nrrd, const NrrdIoSta
     }
     if (bytes > (double)bb_host_limit())
         return bb_fail(BB_REFUSED,
-                       "%s: claims %.0f bytes, three quarters of the host's memory are "
+                       "%s: claims %.0f bytes, three quarters of %s are "
                        "%llu: take a smaller one",
-                       path, bytes, (unsigned long long)bb_host_limit());
+                       path, bytes, bb_memory_limit_by(), (unsigned long long)bb_host_limit());
     return check_length(path, io, nrrdElementSize(nrrd), bytes);
 }
 

@@ -2,6 +2,7 @@
  * What a data race would spoil is written without atomics, for ThreadSanitizer to see (preset
  * tsan). Seed: BVHBENCH_TEST_SEED. */
 #include "framework/base/clock.h"
+#include "framework/base/limits.h"
 #include "framework/base/random.h"
 #include "framework/base/threads.h"
 #include "framework/bench/bystanders.h"

@@ -1,7 +1,6 @@
 /* The watch over `check`: what it gives up, and that it does not count the driver's compiler. What
  * compiling took, and from where it came. About 10 s, of waiting. */
 #include "framework/base/clock.h"
-#include "framework/base/uncounted.h"
 #include "framework/cli/cli.h"
 #include "framework/cli/watchdog.h"
 #include "tests/device_fixture.h"

@@ -2,10 +2,11 @@
  * also keeps the block aligned to a cache line. */
 #include "framework/base/memory.h"
 
+#include "framework/base/limits.h"
+
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
-#include <unistd.h>
 
 typedef struct header {
     uint64_t bytes;
@@ -37,21 +38,10 @@ void bb_account_subtract(bb_account *account, uint64_t bytes)
         __atomic_sub_fetch(&account->bytes, bytes, __ATOMIC_RELAXED);
 }
 
-/* Drivers and allocators overcommit, so requests are compared with the machine's memory first. */
-static uint64_t host_memory(void)
-{
-    static uint64_t bytes;
-    if (bytes == 0) {
-        long pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGESIZE);
-        bytes = pages > 0 && size > 0 ? (uint64_t)pages * (uint64_t)size : UINT64_MAX;
-    }
-    return bytes;
-}
-
 /* A quarter is left for what is derived from the scene, and for other programs. */
 uint64_t bb_host_limit(void)
 {
-    uint64_t bytes = host_memory();
+    uint64_t bytes = bb_memory_limit();
     return bytes < UINT64_MAX ? bytes / 4 * 3 : bytes;
 }
 
@@ -67,11 +57,14 @@ bb_status bb_host_alloc(bb_account *account, size_t bytes, const char *what, voi
     memcpy(out, &block, sizeof block);
 
     uint64_t in_use = __atomic_load_n(&host_bytes, __ATOMIC_RELAXED);
-    if (bytes > host_memory() || bytes + sizeof(header) + 64 + in_use > host_memory())
+    /* drivers and allocators overcommit */
+    const uint64_t limit = bb_memory_limit();
+    if (bytes > limit || bytes + sizeof(header) + 64 + in_use > limit)
         return bb_fail(BB_REFUSED,
-                       "%s needs %zu bytes, the host has %llu, of which %llu are in use: take a "
+                       "%s needs %zu bytes, %s is %llu, of which %llu are in use: take a "
                        "smaller scene",
-                       what, bytes, (unsigned long long)host_memory(), (unsigned long long)in_use);
+                       what, bytes, bb_memory_limit_by(), (unsigned long long)limit,
+                       (unsigned long long)in_use);
     size_t whole = (bytes + sizeof(header) + 63) / 64 * 64;
     header *head = aligned_alloc(64, whole);
     if (head == NULL)

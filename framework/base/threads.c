@@ -1,15 +1,12 @@
 /* Thread pool: workers wait on a condition variable between jobs, so that an idle pool costs
  * nothing while others are timed. Within a job every thread takes chunks from one atomic
  * counter. */
-#ifndef _GNU_SOURCE
-#define _GNU_SOURCE /* sched_getaffinity() */
-#endif
 #include "framework/base/threads.h"
 
 #include "framework/base/clock.h"
+#include "framework/base/limits.h"
 
 #include <pthread.h>
-#include <sched.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
@@ -37,15 +34,6 @@ struct bb_pool {
     size_t count, chunk;
     _Atomic size_t next;
 };
-
-uint32_t bb_core_count(void)
-{
-    cpu_set_t set;
-    if (sched_getaffinity(0, sizeof set, &set) == 0 && CPU_COUNT(&set) > 0)
-        return (uint32_t)CPU_COUNT(&set);
-    long cores = sysconf(_SC_NPROCESSORS_ONLN);
-    return cores > 0 ? (uint32_t)cores : 1;
-}
 
 static void take_chunks(bb_pool *pool, uint32_t thread)
 {

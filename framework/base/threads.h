@@ -9,9 +9,6 @@
 
 typedef struct bb_pool bb_pool;
 
-/* Returns the number of cores this process may use, at least 1. */
-uint32_t bb_core_count(void);
-
 /* Creates a pool of `threads` threads, including the caller's; 0 takes bb_core_count(). The caller
  * owns it. */
 bb_status bb_pool_create(uint32_t threads, bb_pool **out);

@@ -1,9 +1,9 @@
 /* bvhbench judge: classifies the hits of an external tracer with the oracle and arbiter of `run`.
  */
 #include "framework/base/clock.h"
+#include "framework/base/limits.h"
 #include "framework/base/number.h"
 #include "framework/base/statistics.h"
-#include "framework/base/threads.h"
 #include "framework/cli/choice.h"
 #include "framework/cli/inputs.h"
 #include "framework/cli/out_option.h"

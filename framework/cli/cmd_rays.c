@@ -1,6 +1,6 @@
 /* bvhbench rays: a scene and a ray set in a file, for tracers that are no plug-ins. */
 #include "framework/base/file.h"
-#include "framework/base/threads.h"
+#include "framework/base/limits.h"
 #include "framework/cli/choice.h"
 #include "framework/cli/out_option.h"
 #include "framework/judge/oracle.h"

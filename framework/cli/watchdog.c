@@ -1,7 +1,6 @@
 #include "framework/cli/watchdog.h"
 
 #include "framework/base/clock.h"
-#include "framework/base/uncounted.h"
 #include "framework/builder/guard.h"
 #include "framework/cli/cli.h"
 

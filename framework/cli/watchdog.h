@@ -8,7 +8,7 @@
 /* Starts the watchdog, until the next call of either function. After `seconds` (0: never), the
  * first 2047 characters of `last_words` are written to standard output, and the program exits with
  * BB_EXIT_WRONG. Earlier output must have been flushed. Time that does not count
- * (framework/base/uncounted.h) is added to the seconds. */
+ * (framework/base/clock.h) is added to the seconds. */
 void bb_watchdog_start(uint32_t seconds, const char *last_words);
 
 void bb_watchdog_stop(void);

@@ -2,7 +2,7 @@
  * program.c. */
 #include "framework/device/device_private.h"
 
-#include "framework/base/threads.h"
+#include "framework/base/limits.h"
 #include "framework/device/cl_error.h"
 #include "framework/device/handover.h"
 
@@ -11,6 +11,7 @@
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 enum { DEVICES_MAX = 64 };
 
@@ -42,10 +43,22 @@ bb_status bb_device_check_system(const char *folder)
 
 enum { PLATFORMS_MAX = 16 };
 
+/* PoCL has a thread for each core of the machine, unless the environment says less. */
+static void limit_pocl(void)
+{
+    char cores[16];
+    if (bb_core_count() >= (uint32_t)sysconf(_SC_NPROCESSORS_ONLN))
+        return;
+    snprintf(cores, sizeof cores, "%u", bb_core_count());
+    setenv("POCL_MAX_PTHREAD_COUNT", cores, 0); /* up to PoCL 4 */
+    setenv("POCL_CPU_MAX_CU_COUNT", cores, 0);
+}
+
 /* The ICD loader reports "no platform" as an error. */
 static cl_uint find_platforms(cl_platform_id platforms[PLATFORMS_MAX])
 {
     cl_uint count = 0;
+    limit_pocl();
     if (clGetPlatformIDs(PLATFORMS_MAX, platforms, &count) != CL_SUCCESS)
         return 0;
     return count < PLATFORMS_MAX ? count : PLATFORMS_MAX;
@@ -222,6 +235,8 @@ static bb_status query_device(bb_device *device)
     device->compute_units = units;
     BB_TRY(check_limits(device, global, largest, local));
     device->is_cpu = (type & CL_DEVICE_TYPE_CPU) != 0;
+    if (device->is_cpu && global > bb_memory_limit())
+        global = bb_memory_limit();
     device->global_bytes = global;
     device->largest_allocation = largest;
     device->local_bytes = local;

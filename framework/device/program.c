@@ -1,6 +1,5 @@
 /* Programs: compiles with the embedded headers, and caches the result. */
 #include "framework/base/clock.h"
-#include "framework/base/uncounted.h"
 #include "framework/device/cl_error.h"
 #include "framework/device/device_private.h"
 

@@ -1,5 +1,6 @@
 #include "framework/judge/rays.h"
 
+#include "framework/base/limits.h"
 #include "framework/base/memory.h"
 
 #include <inttypes.h>
@@ -14,9 +15,9 @@ bb_status bb_rays_check_room(const char *name, uint64_t count)
         return BB_OK;
     return bb_fail(BB_REFUSED,
                    "rays %s: %" PRIu64 " of them take %" PRIu64 " bytes, with their hits and on "
-                   "the device, and three quarters of the host's memory are %" PRIu64
-                   ": take at most %" PRIu64 " (--max-rays, or count=)",
-                   name, count, count * bytes, limit, limit / bytes);
+                   "the device, and three quarters of %s are %" PRIu64 ": take at most %" PRIu64
+                   " (--max-rays, or count=)",
+                   name, count, count * bytes, bb_memory_limit_by(), limit, limit / bytes);
 }
 
 bb_status bb_rays_reserve(bb_rays *rays, uint32_t count)

@@ -1,4 +1,5 @@
 /* A scene's memory on the host. */
+#include "framework/base/limits.h"
 #include "framework/scene/prim.h"
 #include "framework/scene/scene_private.h"
 #include "framework/scene/tets.h"
@@ -45,11 +46,11 @@ bb_status bb_scene_reserve(bb_scene *scene, uint64_t vertex_count, const bb_prim
     BB_TRY(check_counts(scene, vertex_count, counts));
     uint64_t bytes = scene_bytes(vertex_count, counts);
     if (bytes > bb_host_limit())
-        return bb_fail(
-            BB_REFUSED,
-            "%s: the scene needs %llu bytes, three quarters of the host's memory are %llu: take a "
-            "smaller scene",
-            scene->name, (unsigned long long)bytes, (unsigned long long)bb_host_limit());
+        return bb_fail(BB_REFUSED,
+                       "%s: the scene needs %llu bytes, three quarters of %s are %llu: take a "
+                       "smaller scene",
+                       scene->name, (unsigned long long)bytes, bb_memory_limit_by(),
+                       (unsigned long long)bb_host_limit());
     BB_TRY(bb_host_alloc(NULL, (size_t)vertex_count * 3 * sizeof(float), "the scene's vertices",
                          &scene->vertices));
     for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)

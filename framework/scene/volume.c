@@ -1,6 +1,7 @@
 /* Bricks of volumes, and which of them are visible. */
 #include "framework/scene/volume.h"
 
+#include "framework/base/limits.h"
 #include "framework/base/memory.h"
 #include "framework/base/threads.h"
 
@@ -50,9 +51,10 @@ bb_status bb_voxels_reserve(const char *name, uint32_t side, bb_voxels *voxels)
              all = bytes + bricks * brick_bytes(side, voxels->bytes);
     if (all > bb_host_limit() || bricks >= UINT32_MAX / 2)
         return bb_fail(BB_REFUSED,
-                       "%s: its voxels and bricks need %llu bytes, three quarters of the host's "
-                       "memory are %llu: take a smaller one",
-                       name, (unsigned long long)all, (unsigned long long)bb_host_limit());
+                       "%s: its voxels and bricks need %llu bytes, three quarters of %s "
+                       "are %llu: take a smaller one",
+                       name, (unsigned long long)all, bb_memory_limit_by(),
+                       (unsigned long long)bb_host_limit());
     return bb_host_alloc(NULL, (size_t)bytes, "voxels", &voxels->values);
 }
 

@@ -1,0 +1,96 @@
+/* Limits of control groups, of both versions, as files have them; Slurm's; what the program makes
+ * of affinity and ulimit. */
+#include "framework/base/limits.h"
+#include "tests/program_fixture.h"
+
+#include <math.h>
+
+/* `files`: lines "NAME TEXT", of files in the folder fs. */
+static bb_group_limits read_groups(const char *groups, const char *files)
+{
+    char command[4096], paths[2][128];
+    snprintf(command, sizeof command,
+             "cd %s && rm -rf fs && printf '%s' >groups && printf '%s' | while read -r name text; "
+             "do mkdir -p \"fs/$(dirname \"$name\")\"; echo \"$text\" >\"fs/$name\"; done",
+             folder, groups, files);
+    assert_int_equal(system(command), 0);
+    snprintf(paths[0], sizeof paths[0], "%s/groups", folder);
+    snprintf(paths[1], sizeof paths[1], "%s/fs", folder);
+    return bb_group_limits_read(paths[0], paths[1]);
+}
+
+typedef struct group_case {
+    const char *groups, *files;
+    double bytes, cores; /* INFINITY: none */
+} group_case;
+
+static void the_least_of_all_groups_counts(void **state)
+{
+    (void)state;
+    static const group_case cases[] = {
+        {"0::/\\n", "memory.max 1000000\\ncpu.max 150000 100000\\n", 1e6, 1.5},
+        {"0::/\\n", "memory.max max\\ncpu.max max 100000\\n", INFINITY, INFINITY},
+        {"0::/a/b\\n", "a/b/memory.max 3000\\na/memory.max 2000\\nmemory.max 4000\\n", 2000,
+         INFINITY},
+        {"0::/a/b\\n", "a/b/cpu.max max 100000\\na/cpu.max 50000 100000\\n", INFINITY, 0.5},
+        {"3:memory:/a\\n2:cpu,cpuacct:/a\\n0::/\\n",
+         "memory/a/memory.limit_in_bytes 5000\\nmemory/memory.limit_in_bytes 9223372036854771712\\n"
+         "cpu,cpuacct/a/cpu.cfs_quota_us 400000\\ncpu,cpuacct/a/cpu.cfs_period_us 100000\\n",
+         5000, 4},
+        {"2:cpu:/\\n", "cpu/cpu.cfs_quota_us -1\\ncpu/cpu.cfs_period_us 100000\\n", INFINITY,
+         INFINITY},
+        /* the host's path is not there in the container */
+        {"3:memory:/docker/0123\\n", "memory/memory.limit_in_bytes 7000\\n", 7000, INFINITY},
+        {"1:cpuset:/a\\n", "cpuset/a/memory.max 1\\n", INFINITY, INFINITY},
+        {"nothing\\n:\\n1:memory\\n0::/\\n", "memory.max -5\\ncpu.max x 1\\n", INFINITY, INFINITY},
+        {"0::/../..\\n", "memory.max 8000\\n", 8000, INFINITY},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const bb_group_limits found = read_groups(cases[i].groups, cases[i].files);
+        const double bytes = found.bytes == UINT64_MAX ? INFINITY : (double)found.bytes;
+        if (bytes != cases[i].bytes || found.cores != cases[i].cores)
+            fail_msg("%s %s: %g bytes, %g cores", cases[i].groups, cases[i].files, bytes,
+                     found.cores);
+    }
+    const bb_group_limits none = bb_group_limits_read("/nowhere/groups", "/nowhere");
+    assert_true(none.bytes == UINT64_MAX && none.cores == INFINITY);
+}
+
+static void slurm_tells_its_memory(void **state)
+{
+    (void)state;
+    unsetenv("SLURM_JOB_ID");
+    setenv("SLURM_MEM_PER_NODE", "2048", 1);
+    assert_true(bb_slurm_bytes() == UINT64_MAX);
+    setenv("SLURM_JOB_ID", "7", 1);
+    assert_true(bb_slurm_bytes() == 2048ull << 20);
+    setenv("SLURM_MEM_PER_NODE", "0", 1); /* all of it */
+    assert_true(bb_slurm_bytes() == UINT64_MAX);
+    setenv("SLURM_MEM_PER_CPU", "512", 1);
+    setenv("SLURM_CPUS_ON_NODE", "4", 1);
+    assert_true(bb_slurm_bytes() == 2048ull << 20);
+    unsetenv("SLURM_JOB_ID");
+}
+
+static void the_program_keeps_to_them(void **state)
+{
+    (void)state;
+    const outcome *o = run_with("SLURM_JOB_ID=7 SLURM_MEM_PER_NODE=64",
+                                "run --scene soup:n=1000000 --builder lbvh --rays none --out big");
+    if (o->exit_status != 2 ||
+        strstr(o->err, "three quarters of the memory that Slurm allows are 50331648") == NULL)
+        fail_msg("exit %d: %s", o->exit_status, o->err);
+    o = run_with("taskset -c 0", "list devices");
+    if (strstr(o->out, "pthread") != NULL && strstr(o->out, "/ 1 compute units") == NULL)
+        fail_msg("%s", o->out);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_least_of_all_groups_counts),
+        cmocka_unit_test(slurm_tells_its_memory),
+        cmocka_unit_test(the_program_keeps_to_them),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
