@@ -108,6 +108,31 @@ results 'del(.rows[3]) | .rows[-1].planned_cells = 2'
 check_results 1 'no cells: s r b k1 i'
 results 'del(.rows[4]) | .rows[-1].planned_cells = 2'
 check_results 1 'no cells: s r e'
+# Other versions of Embree lack queries; no builder of ours may.
+lacking='del(.rows[4]) | .rows[-1].planned_cells = 2 | .rows += [{scene: "s", builder: "e", status: "unsupported"}]'
+results "$lacking"
+check_results 0 '2 cells, each measured and judged'
+results "$lacking | .rows[-1].status = \"failed\""
+check_results 1 'no cells: s r e'
+unsupported='|= (.status = "unsupported" | del(.ms, .checked))'
+results ".rows[4] $unsupported"
+check_results 0 '3 cells, each measured and judged'
+results ".rows[3] $unsupported"
+check_results 1 's b k1 r: unsupported'
+results '.rows[1].status = "unsupported"'
+check_results 1 's b: unsupported'
+# Nor may the list lack a kind of what is compared.
+results .
+cp "$work/list.json" "$work/all.json"
+for kind in scene rays builder kernel intersector; do
+    jq "del(.compared[] | select(.summary == \"$kind\"))" "$work/all.json" >"$work/list.json"
+    check_results 1 "list.json names no $kind"
+done
+echo '{}' >"$work/list.json"
+check_results 1 'is not what `bvhbench list compared --json` prints'
+: >"$work/list.json"
+check_results 1 'list.json names no scene'
+cp "$work/all.json" "$work/list.json"
 # From two views each: one lacks a cell.
 results '.rows |= (map(select(.question and (.maker | not)) + {view: "v"})
     + map(select(.question and (.maker | not)) + {view: "w"}) + map(select(.question | not))
