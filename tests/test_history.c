@@ -1,6 +1,7 @@
 /* The history: what is appended comes back, after whatever death. */
 #include "tests/history_sample.h"
 
+#include "framework/compare/history_private.h"
 #include "framework/compare/schema.h"
 #include "framework/compare/trend.h"
 #include "framework/report/report_history.h"
@@ -145,6 +146,78 @@ static void what_is_no_history_is_refused(void **state)
     fclose(file);
     refuses_to_open(path, "not a database");
     refuses_to_open("/tmp", "unable to open");
+}
+
+/* Whatever could change what is appended: nothing is written into such a file. */
+static void a_history_of_other_parts_is_refused(void **state)
+{
+    (void)state;
+    static const char *const cases[][2] = {
+        {"CREATE TRIGGER gone AFTER INSERT ON runs BEGIN DELETE FROM runs; END",
+         "its trigger gone is not this program's"},
+        {"CREATE VIEW seen AS SELECT * FROM runs", "its view seen is not this program's"},
+        {"CREATE TABLE more(x)", "its table more is not this program's"},
+        {"ALTER TABLE cells ADD COLUMN note", "its table cells is not this program's"},
+        {"DROP INDEX measurements_cell", "its index measurements_cell is missing from"},
+        {"DROP TABLE floors", "its table floors is missing from"},
+        {"ALTER TABLE measurements RENAME TO kept;"
+         "CREATE VIEW measurements AS SELECT * FROM kept",
+         "is not this program's"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        const char *path = history_path("parts");
+        history_fill(path);
+        execute(path, "ANALYZE"); /* SQLite's own tables are no harm */
+        bb_history *history;
+        ASSERT_OK(bb_history_open(path, true, &history));
+        bb_history_close(history);
+        execute(path, cases[i][0]);
+        refuses_to_open(path, cases[i][1]);
+    }
+}
+
+/* A page in the middle, which no query of a new run would read. */
+static void damage_anywhere_is_found_at_once(void **state)
+{
+    (void)state;
+    const char *path = history_path("page");
+    history_fill(path);
+    FILE *file = fopen(path, "r+b");
+    assert_non_null(file);
+    assert_int_equal(fseek(file, 0, SEEK_END), 0);
+    const long pages = ftell(file) / 4096;
+    assert_true(pages > 8);
+    assert_int_equal(fseek(file, (pages - 2) * 4096, SEEK_SET), 0);
+    for (int i = 0; i < 4096; i++)
+        fputc(0x5A, file);
+    fclose(file);
+    refuses_to_open(path, "is damaged: ");
+}
+
+/* A trigger of the connection, which is in no file, stands for a disk that forgets. */
+static void what_was_appended_is_read_back(void **state)
+{
+    (void)state;
+    static const char *const triggers[] = {
+        "CREATE TEMP TRIGGER t AFTER INSERT ON figures BEGIN DELETE FROM figures; END",
+        "CREATE TEMP TRIGGER t AFTER INSERT ON measurements BEGIN UPDATE measurements SET "
+        "samples = '[1]'; END",
+        "CREATE TEMP TRIGGER t AFTER INSERT ON measurements WHEN new.id % 3 = 0 BEGIN UPDATE "
+        "measurements SET samples = NULL WHERE id = new.id; END",
+    };
+    for (size_t i = 0; i < sizeof triggers / sizeof triggers[0]; i++) {
+        const char *path = history_path("forgets");
+        bb_history *history;
+        bb_results *run = history_run("a", "north", "2024-01-01T00:00:00Z", nothing, 1);
+        ASSERT_OK(bb_history_open(path, true, &history));
+        assert_int_equal(sqlite3_exec(history->db, triggers[i], NULL, NULL, NULL), SQLITE_OK);
+        assert_int_equal(bb_history_append(history, bb_results_table(run)), BB_FAILED);
+        if (strstr(bb_message(), "does not read back") == NULL)
+            fail_msg("%s: %s", triggers[i], bb_message());
+        bb_history_close(history);
+        bb_results_destroy(run);
+        assert_string_equal(ask(path, "SELECT count(*) FROM runs"), "0");
+    }
 }
 
 /* Cut off, overwritten in the middle, and with samples that are none: a line, not a crash. */
@@ -465,6 +538,9 @@ int main(int argc, char **argv)
         cmocka_unit_test(what_is_appended_comes_back),
         cmocka_unit_test(empty_files_become_histories),
         cmocka_unit_test(what_is_no_history_is_refused),
+        cmocka_unit_test(a_history_of_other_parts_is_refused),
+        cmocka_unit_test(damage_anywhere_is_found_at_once),
+        cmocka_unit_test(what_was_appended_is_read_back),
         cmocka_unit_test(damaged_files_are_refused),
         cmocka_unit_test(revisions_are_found_by_their_beginnings),
         cmocka_unit_test(trends_mark_what_moved),

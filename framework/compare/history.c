@@ -135,6 +135,72 @@ static bb_status make_tables(bb_history *history)
     return status;
 }
 
+/* What a database consists of, but for what SQLite keeps of its own. */
+static const char parts_of[] =
+    "SELECT type, name, coalesce(sql, '') FROM sqlite_master"
+    " WHERE name NOT LIKE 'sqlite^_stat%' ESCAPE '^' ORDER BY type, name";
+
+/* Steps through the parts of both; BB_OK if they are the same. */
+static bb_status compare_parts(bb_history *history, sqlite3_stmt *ours, sqlite3_stmt *theirs)
+{
+    for (;;) {
+        const int more[2] = {sqlite3_step(ours), sqlite3_step(theirs)};
+        if (more[1] != SQLITE_ROW && more[1] != SQLITE_DONE)
+            return bb_history_fail(history, "read it");
+        if (more[0] != SQLITE_ROW && more[1] != SQLITE_ROW)
+            return BB_OK;
+        int order = (more[0] != SQLITE_ROW) - (more[1] != SQLITE_ROW); /* > 0: ours is later */
+        for (int i = 0; i < 2 && order == 0; i++)
+            order = strcmp(bb_history_text(ours, i), bb_history_text(theirs, i));
+        if (order == 0 && strcmp(bb_history_text(ours, 2), bb_history_text(theirs, 2)) == 0)
+            continue;
+        const bool extra = order >= 0; /* or another of the same name */
+        return bb_fail(BB_INVALID,
+                       "history %s: its %.20s %.100s is %s this program's: name another file",
+                       history->path, bb_history_text(extra ? theirs : ours, 0),
+                       bb_history_text(extra ? theirs : ours, 1), extra ? "not" : "missing from");
+    }
+}
+
+/* Refuses a file with other tables, or with triggers or views, which could change what is
+ * appended. */
+static bb_status check_parts(bb_history *history)
+{
+    bb_history fresh = {.path = history->path};
+    sqlite3_stmt *statements[2] = {NULL, NULL};
+    bb_status status = sqlite3_open(":memory:", &fresh.db) == SQLITE_OK
+                           ? BB_OK
+                           : bb_fail(BB_FAILED, "history %s: no memory", history->path);
+    if (status == BB_OK)
+        status = bb_history_exec(&fresh, bb_history_tables, "make its tables");
+    if (status == BB_OK)
+        status = bb_history_prepare(&fresh, parts_of, &statements[0]);
+    if (status == BB_OK)
+        status = bb_history_prepare(history, parts_of, &statements[1]);
+    if (status == BB_OK)
+        status = compare_parts(history, statements[0], statements[1]);
+    sqlite3_finalize(statements[0]);
+    sqlite3_finalize(statements[1]);
+    sqlite3_close(fresh.db);
+    return status;
+}
+
+/* Refuses a damaged file. */
+static bb_status check_health(bb_history *history)
+{
+    sqlite3_stmt *statement = NULL;
+    BB_TRY(bb_history_prepare(history, "PRAGMA quick_check(1)", &statement));
+    bb_status status = BB_OK;
+    if (sqlite3_step(statement) != SQLITE_ROW)
+        status = bb_history_fail(history, "read it");
+    else if (strcmp(bb_history_text(statement, 0), "ok") != 0)
+        status =
+            bb_fail(BB_INVALID, "history %s is damaged: %.200s: move it away, or restore a copy",
+                    history->path, bb_history_text(statement, 0));
+    sqlite3_finalize(statement);
+    return status;
+}
+
 /* Tests whether the file can be written: changes a page in a transaction and rolls it back. */
 static bb_status try_write(bb_history *history)
 {
@@ -166,6 +232,10 @@ bb_status bb_history_open(const char *path, bool create, bb_history **out)
     }
     if (status == BB_OK)
         status = make_tables(history);
+    if (status == BB_OK)
+        status = check_parts(history);
+    if (status == BB_OK)
+        status = check_health(history);
     if (status == BB_OK && create)
         status = try_write(history);
     if (status != BB_OK) {
@@ -213,6 +283,11 @@ typedef struct inserts {
     sqlite3_stmt *cell, *measurement, *figure;
 } inserts;
 
+/* What was appended, to be read back. */
+typedef struct appended {
+    int64_t run, measurements, samples, figures; /* samples: bytes of their texts */
+} appended;
+
 /* Returns the samples as JSON, "[1.5,2]", with all digits; NULL if there are none, or no memory. */
 static char *samples_text(const bb_samples *ms)
 {
@@ -227,7 +302,7 @@ static char *samples_text(const bb_samples *ms)
     return text;
 }
 
-static bb_status append_cell(bb_history *history, const inserts *in, int64_t run,
+static bb_status append_cell(bb_history *history, const inserts *in, appended *done,
                              const bb_measured *cell)
 {
     char *samples = samples_text(&cell->ms);
@@ -236,11 +311,14 @@ static bb_status append_cell(bb_history *history, const inserts *in, int64_t run
     bb_history_bind(in->cell, "t", cell->key);
     bb_status status = bb_history_do(history, in->cell, "append to it");
     if (status == BB_OK) {
-        bb_history_bind(in->measurement, samples != NULL ? "ittitttt" : "ittitttn", run, cell->key,
-                        cell->time, (int64_t)cell->reference, cell->status, cell->scene_hash,
-                        cell->rays_hash, samples);
+        bb_history_bind(in->measurement, samples != NULL ? "ittitttt" : "ittitttn", done->run,
+                        cell->key, cell->time, (int64_t)cell->reference, cell->status,
+                        cell->scene_hash, cell->rays_hash, samples);
         status = bb_history_do(history, in->measurement, "append to it");
     }
+    done->measurements++;
+    done->samples += samples != NULL ? (int64_t)strlen(samples) : 0;
+    done->figures += cell->figure_count;
     free(samples);
     int64_t id = sqlite3_last_insert_rowid(history->db);
     for (uint32_t i = 0; i < cell->figure_count && status == BB_OK; i++) {
@@ -251,7 +329,7 @@ static bb_status append_cell(bb_history *history, const inserts *in, int64_t run
     return status;
 }
 
-static bb_status append_cells(bb_history *history, const bb_cell_set *set, int64_t run)
+static bb_status append_cells(bb_history *history, const bb_cell_set *set, appended *done)
 {
     inserts in = {NULL, NULL, NULL};
     bb_status status = bb_history_prepare(
@@ -266,10 +344,34 @@ static bb_status append_cells(bb_history *history, const bb_cell_set *set, int64
     if (status == BB_OK)
         status = bb_history_prepare(history, "INSERT INTO figures VALUES(?,?,?,?)", &in.figure);
     for (uint32_t i = 0; i < set->count && status == BB_OK; i++)
-        status = append_cell(history, &in, run, &set->cells[i]);
+        status = append_cell(history, &in, done, &set->cells[i]);
     sqlite3_finalize(in.cell);
     sqlite3_finalize(in.measurement);
     sqlite3_finalize(in.figure);
+    return status;
+}
+
+/* Reads back what was appended. */
+static bb_status read_back(bb_history *history, const appended *done)
+{
+    static const char sql[] =
+        "SELECT (SELECT count(*) FROM runs WHERE id = ?1),"
+        " (SELECT count(*) FROM measurements WHERE run = ?1),"
+        " (SELECT coalesce(sum(length(samples)), 0) FROM measurements WHERE run = ?1),"
+        " (SELECT count(*) FROM figures, measurements WHERE run = ?1 AND id = measurement)";
+    const int64_t expected[] = {1, done->measurements, done->samples, done->figures};
+    sqlite3_stmt *statement = NULL;
+    BB_TRY(bb_history_prepare(history, sql, &statement));
+    bb_history_bind(statement, "i", done->run);
+    bb_status status =
+        sqlite3_step(statement) == SQLITE_ROW ? BB_OK : bb_history_fail(history, "read it");
+    for (int i = 0; i < 4 && status == BB_OK; i++)
+        if (sqlite3_column_int64(statement, i) != expected[i])
+            status = bb_fail(BB_FAILED,
+                             "history %s: what was appended does not read back as it was: move it "
+                             "away, and append the result file with `bvhbench merge --history`",
+                             history->path);
+    sqlite3_finalize(statement);
     return status;
 }
 
@@ -286,7 +388,7 @@ static bb_status finish(bb_history *history, bb_status status)
 static bb_status append_table(bb_history *history, const bb_table *table)
 {
     bb_cell_set set;
-    int64_t id = 0;
+    appended done = {0};
     const uint32_t run = bb_table_find(table, (bb_cell){{NULL}});
     const about a = {.version = bb_table_get_text(table, run, "version"),
                      .opencl = bb_table_get_text(table, run, "opencl"),
@@ -295,9 +397,11 @@ static bb_status append_table(bb_history *history, const bb_table *table)
                      .command = bb_table_get_text(table, run, "command")};
     bb_status status = bb_cell_set_of_table(table, "this run", &set);
     if (status == BB_OK)
-        status = append_run(history, &set.origin, &a, &id);
+        status = append_run(history, &set.origin, &a, &done.run);
     if (status == BB_OK)
-        status = append_cells(history, &set, id);
+        status = append_cells(history, &set, &done);
+    if (status == BB_OK)
+        status = read_back(history, &done);
     bb_cell_set_free(&set);
     return status;
 }
