@@ -1,5 +1,6 @@
 /* Contests on a device that is too small for all trees and layouts at once: as long as each way
  * fits alone, all are measured, since trees and layouts make room for each other. */
+#include "framework/tasks/overlap_contest.h"
 #include "framework/tasks/slice_contest.h"
 #include "tests/device_fixture.h"
 
@@ -11,10 +12,13 @@ static const char *const builders[BUILDERS] = {"lbvh", "ploc", "sah"};
 static const char *const searches[] = {"skip"};
 static bb_scene *scene;
 static uint64_t global;
+static bool pairs; /* each way needs two trees at a time */
 
-/* Slices by `count` builders, with `room` bytes beside the scene. NULL: no way fits. */
-static bb_table *slice(const char *const *which, uint32_t count, uint64_t room)
+/* Slices by `count` builders, or lets the mesh meet itself, with `room` bytes beside the scene.
+ * NULL: no way fits. */
+static bb_table *contest(const char *const *which, uint32_t count, uint64_t room)
 {
+    bb_scene *const twice[2] = {scene, scene};
     bb_slice_request request = {
         .contest = {.device = device,
                     .name = "tets",
@@ -32,7 +36,8 @@ static bb_table *slice(const char *const *which, uint32_t count, uint64_t room)
     ASSERT_OK(bb_table_create("slice", &table));
     const uint64_t before = device->bytes;
     device->global_bytes = before + room;
-    const bb_status status = bb_slice_run(&request, scene, table);
+    const bb_status status = pairs ? bb_overlap_run(&request.contest, twice, NULL, table)
+                                   : bb_slice_run(&request, scene, table);
     device->global_bytes = global;
     assert_true(device->bytes == before);
     if (status == BB_OK)
@@ -63,7 +68,7 @@ static uint64_t least_room(const char *builder)
     uint64_t low = 0, high = (uint64_t)1 << 32;
     while (high - low > high / 256) {
         const uint64_t middle = low + (high - low) / 2;
-        bb_table *table = slice(&builder, 1, middle);
+        bb_table *table = contest(&builder, 1, middle);
         if (table != NULL)
             high = middle;
         else
@@ -73,9 +78,8 @@ static uint64_t least_room(const char *builder)
     return high;
 }
 
-static void ways_make_room_for_each_other(void **state)
+static void expect_room_for_each_other(void)
 {
-    (void)state;
     uint64_t most = 0;
     for (uint32_t i = 0; i < BUILDERS; i++) {
         const uint64_t room = least_room(builders[i]);
@@ -83,11 +87,25 @@ static void ways_make_room_for_each_other(void **state)
     }
     assert_true(most < (uint64_t)1 << 31);
     for (uint64_t quarter = 4; quarter <= 16; quarter++) {
-        bb_table *table = slice(builders, BUILDERS, most * quarter / 4);
+        bb_table *table = contest(builders, BUILDERS, most * quarter / 4);
         assert_non_null(table);
         assert_int_equal(measured(table), BUILDERS);
         bb_table_free(table);
     }
+}
+
+static void ways_make_room_for_each_other(void **state)
+{
+    (void)state;
+    pairs = false;
+    expect_room_for_each_other();
+}
+
+static void trees_that_are_used_together_stay(void **state)
+{
+    (void)state;
+    pairs = true;
+    expect_room_for_each_other();
 }
 
 static int open(void **state)
@@ -108,6 +126,7 @@ static int close(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(ways_make_room_for_each_other)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(ways_make_room_for_each_other),
+                                       cmocka_unit_test(trees_that_are_used_together_stay)};
     return cmocka_run_group_tests(tests, open, close);
 }

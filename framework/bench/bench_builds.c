@@ -109,7 +109,7 @@ static bb_status timed_build(bb_bench *bench, bb_entrant *entrant, bool exact)
     bb_instance *instance = &entrant->resident->instance;
     bb_step step = bb_bench_begin(bench);
     bb_account_mark(&instance->account);
-    BB_TRY(bb_instance_build(instance, bench->scene, exact, &timing));
+    BB_TRY(bb_resident_build(&bench->residency, entrant->resident, exact, &timing));
     bb_residency_note(&bench->residency);
     bb_audit_build(&bench->outcome->audit, bench->scene->name, instance);
     if (!exact) {
@@ -351,8 +351,7 @@ static bb_status warm_once(bb_bench *bench, bb_entrant *entrant, double *ms)
         return BB_OK;
     BB_TRY(bb_bench_tree(bench, entrant));
     bb_step step = bb_bench_begin(bench);
-    bb_status status =
-        bb_instance_build(&entrant->resident->instance, bench->scene, false, &timing);
+    bb_status status = bb_resident_build(&bench->residency, entrant->resident, false, &timing);
     *ms += status == BB_OK ? timing.timing.ms : 0;
     return bb_bench_end(bench, step, "warming up", status);
 }

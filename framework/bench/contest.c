@@ -154,18 +154,17 @@ static bb_status time_builds(bb_contest *c, bb_contest_entrant *e, double *build
                              double *upload_ms)
 {
     *build_ms = *upload_ms = 0;
+    bb_contest_pin(c, e);
     for (uint32_t s = 0; s < c->task->scene_count; s++) {
-        bb_instance *instance = &e->trees[s].instance;
         bb_build_timing timing;
         double ms = 0;
-        BB_TRY(bb_resident_tree(&c->residency, &e->trees[s]));
-        BB_TRY(bb_instance_build(instance, c->task->scenes[s], false, &timing));
-        bb_audit_build(c->audit, c->request->name, instance);
+        BB_TRY(bb_resident_build(&c->residency, &e->trees[s], false, &timing));
+        bb_audit_build(c->audit, c->request->name, &e->trees[s].instance);
         if (!c->task->blank)
             BB_TRY(bb_resident_upload(&c->residency, &e->trees[s], &ms));
         *build_ms += timing.timing.ms;
         *upload_ms += ms;
-        BB_TRY(bb_instance_build(instance, c->task->scenes[s], true, NULL));
+        BB_TRY(bb_resident_build(&c->residency, &e->trees[s], true, NULL));
         if (!c->task->blank)
             BB_TRY(bb_resident_upload(&c->residency, &e->trees[s], NULL));
     }

@@ -41,9 +41,17 @@ bb_status bb_contest_search(const bb_contest_runner *r, const bb_contest_task *t
     return BB_OK;
 }
 
+void bb_contest_pin(bb_contest *c, const bb_contest_entrant *e)
+{
+    bb_residency_pin(&c->residency, e->trees, c->task->scene_count);
+}
+
 bb_status bb_contest_bring(bb_contest *c, const bb_contest_entrant *e,
                            const bb_contest_search_choice *how)
 {
+    bb_contest_pin(c, e);
+    for (uint32_t s = 0; s < c->task->scene_count; s++)
+        BB_TRY(bb_resident_tree(&c->residency, &e->trees[s]));
     for (uint32_t s = 0; s < c->task->scene_count; s++)
         BB_TRY(bb_resident_layout(&c->residency, &e->trees[s], how->layout));
     return BB_OK;
@@ -53,7 +61,7 @@ static bb_status make_runner(bb_contest *c, const bb_contest_entrant *e, bb_cont
                              const bb_contest_search_choice *how)
 {
     bb_contest_way *way = r->way;
-    r->layout = c->residency.layouts[how->layout].maker.layout;
+    r->layout = c->residency.layouts[how->layout].layout;
     for (uint32_t s = 0; s < c->task->scene_count; s++)
         r->data[s] = &e->trees[s].layouts[how->layout];
     BB_TRY(bb_contest_bring(c, e, how));
@@ -89,6 +97,7 @@ static bb_status make_entrant(bb_contest *c, uint32_t i)
     bb_contest_entrant *e = &c->entrants[i];
     bb_status status = BB_OK;
     e->trees = &c->residency.items[i * c->task->scene_count];
+    bb_contest_pin(c, e);
     for (uint32_t s = 0; s < c->task->scene_count && status == BB_OK; s++) {
         e->trees[s].text = request->builders[i];
         e->trees[s].scene = c->task->scenes[s];

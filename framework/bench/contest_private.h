@@ -41,6 +41,9 @@ typedef struct bb_contest {
 bb_status bb_contest_make(bb_contest *contest);
 void bb_contest_clean_up(bb_contest *contest);
 
+/* Keeps the builder's trees of all scenes beside each other, until another builder's are pinned. */
+void bb_contest_pin(bb_contest *contest, const bb_contest_entrant *entrant);
+
 /* Sees to it that trees and layouts of a way are on the device. */
 bb_status bb_contest_bring(bb_contest *contest, const bb_contest_entrant *entrant,
                            const bb_contest_search_choice *search);

@@ -23,18 +23,40 @@ void bb_residency_note(bb_residency *all)
         all->bytes_held = bytes;
 }
 
-/* Frees what all residents but `keep` have in memory. Returns false if they had nothing. */
-static bool evict_others(bb_residency *all, const bb_resident *keep)
+/* Makes room by evicting others' trees, then all layouts but those of one kind (BB_NONE: all), with
+ * their scratch. They are made again when needed. Returns false if there was nothing to free. */
+static bool make_room(bb_residency *all, const bb_resident *keep, uint32_t layout)
 {
     bool freed = false;
     for (uint32_t i = 0; i < all->count; i++) {
-        bb_resident *other = &all->items[i];
-        if (other == keep || other->instance.pipeline.count == 0)
+        bb_resident *resident = &all->items[i];
+        if (resident != keep && !resident->pinned) {
+            freed = freed || resident->instance.pipeline.count > 0;
+            bb_resident_evict(resident);
+        }
+        for (uint32_t k = 0; k < all->layout_count; k++) {
+            if (k == layout || !resident->has_layout[k])
+                continue;
+            bb_layout_data_release(&resident->layouts[k]);
+            resident->has_layout[k] = false;
+            freed = true;
+        }
+    }
+    for (uint32_t k = 0; k < all->layout_count; k++) {
+        if (k == layout)
             continue;
-        bb_resident_evict(other);
-        freed = true;
+        freed = freed || all->layouts[k].maker.layout != NULL;
+        bb_layout_maker_destroy(&all->layouts[k].maker);
     }
     return freed;
+}
+
+void bb_residency_pin(bb_residency *all, bb_resident *first, uint32_t count)
+{
+    for (uint32_t i = 0; i < all->count; i++)
+        all->items[i].pinned = false;
+    for (uint32_t i = 0; i < count; i++)
+        first[i].pinned = true;
 }
 
 static bb_status create_and_build(bb_residency *all, bb_resident *resident, double *ms)
@@ -53,18 +75,16 @@ static bb_status create_and_build(bb_residency *all, bb_resident *resident, doub
  * no part of the cold time. */
 static bb_status first_build(bb_residency *all, bb_resident *resident, double *cold_ms)
 {
-    bb_status status = BB_OK;
     bb_pipeline pipeline;
     BB_TRY(bb_pipeline_parse(resident->text, &pipeline));
     if (!resident->compiled && bb_pipeline_on_device(&pipeline) > 0) {
-        status = create_and_build(all, resident, cold_ms);
+        BB_TRY(create_and_build(all, resident, cold_ms));
         bb_resident_evict(resident);
     }
     resident->compiled = true;
-    if (status == BB_OK)
-        status = create_and_build(all, resident, cold_ms);
-    resident->built = status == BB_OK;
-    return status;
+    BB_TRY(create_and_build(all, resident, cold_ms));
+    resident->built = true;
+    return BB_OK;
 }
 
 bb_status bb_resident_tree(bb_residency *all, bb_resident *resident)
@@ -73,7 +93,7 @@ bb_status bb_resident_tree(bb_residency *all, bb_resident *resident)
         return BB_OK;
     double cold_ms = 0;
     bb_status status = first_build(all, resident, &cold_ms);
-    if (status == BB_REFUSED && evict_others(all, resident)) {
+    if (status == BB_REFUSED && make_room(all, resident, BB_NONE)) {
         bb_resident_evict(resident);
         status = first_build(all, resident, &cold_ms);
     }
@@ -86,16 +106,39 @@ bb_status bb_resident_tree(bb_residency *all, bb_resident *resident)
     return BB_OK;
 }
 
+bb_status bb_resident_build(bb_residency *all, bb_resident *resident, bool exact,
+                            bb_build_timing *timing)
+{
+    BB_TRY(bb_resident_tree(all, resident));
+    bb_instance *instance = &resident->instance;
+    bb_status status = bb_instance_build(instance, resident->scene, exact, timing);
+    if (status == BB_REFUSED && make_room(all, resident, BB_NONE))
+        status = bb_instance_build(instance, resident->scene, exact, timing);
+    if (status != BB_OK)
+        bb_resident_evict(resident);
+    return status;
+}
+
 bb_status bb_resident_upload(bb_residency *all, bb_resident *resident, double *ms)
 {
     bb_tree *tree = &resident->instance.tree;
     bb_status status = bb_tree_upload(tree, all->device, ms);
-    if (status == BB_REFUSED && evict_others(all, resident))
+    if (status == BB_REFUSED && make_room(all, resident, BB_NONE))
         status = bb_tree_upload(tree, all->device, ms);
     return status;
 }
 
 /* ---- layouts ---- */
+
+/* Creates the layout's maker, unless it is there. */
+static bb_status ready_maker(bb_residency *all, bb_layout_choice *choice)
+{
+    if (choice->maker.layout != NULL)
+        return BB_OK;
+    BB_TRY(bb_layout_maker_create(choice->layout, all->device, &choice->maker));
+    choice->maker.wish = choice->wish;
+    return BB_OK;
+}
 
 bb_status bb_residency_layout(bb_residency *all, const bb_layout *layout,
                               const bb_layout_wish *wish, uint32_t leaf, uint32_t format,
@@ -103,8 +146,8 @@ bb_status bb_residency_layout(bb_residency *all, const bb_layout *layout,
 {
     for (uint32_t i = 0; i < all->layout_count; i++) {
         const bb_layout_choice *l = &all->layouts[i];
-        if (l->maker.layout == layout && l->format == format && l->leaf == leaf &&
-            bb_layout_wish_is(&l->maker.wish, wish)) {
+        if (l->layout == layout && l->format == format && l->leaf == leaf &&
+            bb_layout_wish_is(&l->wish, wish)) {
             *index = i;
             return BB_OK;
         }
@@ -113,11 +156,8 @@ bb_status bb_residency_layout(bb_residency *all, const bb_layout *layout,
         return bb_fail(BB_INVALID, "at most %d layouts at once", BB_LAYOUTS_MAX);
     *index = all->layout_count++;
     bb_layout_choice *wanted = &all->layouts[*index];
-    wanted->leaf = leaf;
-    wanted->format = format;
-    BB_TRY(bb_layout_maker_create(layout, all->device, &wanted->maker));
-    wanted->maker.wish = *wish;
-    return BB_OK;
+    *wanted = (bb_layout_choice){.layout = layout, .wish = *wish, .leaf = leaf, .format = format};
+    return ready_maker(all, wanted);
 }
 
 void bb_residency_end(bb_residency *all)
@@ -132,40 +172,18 @@ static bb_status make_layout(bb_residency *all, bb_resident *resident, uint32_t 
     bb_layout_choice *choice = &all->layouts[layout];
     bb_layout_data *data = &resident->layouts[layout];
     bb_tree *tree = &resident->instance.tree;
+    BB_TRY(ready_maker(all, choice));
     BB_TRY(bb_tree_upload(tree, all->device, NULL));
     return bb_layout_maker_make(&choice->maker, resident->scene, tree, choice->leaf, choice->format,
                                 data);
-}
-
-/* Makes room for one layout by evicting other builders' trees, then the resident's other layouts
- * with their scratch. They are made again when needed. */
-static bb_status make_room(bb_residency *all, bb_resident *resident, uint32_t layout)
-{
-    evict_others(all, resident);
-    for (uint32_t k = 0; k < all->layout_count; k++) {
-        bb_layout_data_release(&resident->layouts[k]);
-        resident->has_layout[k] = false;
-        bb_layout_maker *maker = &all->layouts[k].maker;
-        const bb_layout *made = maker->layout;
-        const bb_layout_wish wish = maker->wish;
-        if (k == layout || made == NULL)
-            continue;
-        bb_layout_maker_destroy(maker);
-        BB_TRY(bb_layout_maker_create(made, all->device, maker));
-        maker->wish = wish;
-    }
-    return BB_OK;
 }
 
 /* Makes the layout beside what is there, else in the room of others. */
 static bb_status make_layout_fit(bb_residency *all, bb_resident *resident, uint32_t layout)
 {
     bb_status status = make_layout(all, resident, layout);
-    if (status == BB_REFUSED) {
-        status = make_room(all, resident, layout);
-        if (status == BB_OK)
-            status = make_layout(all, resident, layout);
-    }
+    if (status == BB_REFUSED && make_room(all, resident, layout))
+        status = make_layout(all, resident, layout);
     resident->has_layout[layout] = status == BB_OK;
     if (status != BB_OK)
         bb_layout_data_release(&resident->layouts[layout]);

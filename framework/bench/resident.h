@@ -10,7 +10,9 @@
 /* A layout of leaves with up to `leaf` references and triangles in one form; all kernels and
  * intersectors that read it share it. */
 typedef struct bb_layout_choice {
-    bb_layout_maker maker;
+    const bb_layout *layout;
+    bb_layout_wish wish;
+    bb_layout_maker maker; /* created when it is needed; it holds memory */
     uint32_t leaf;
     uint32_t format; /* BB_FORMAT_... */
 } bb_layout_choice;
@@ -21,6 +23,7 @@ typedef struct bb_resident {
     bb_scene *scene;
     bb_instance instance; /* alive while instance.pipeline.count > 0 */
     bool built;           /* instance.tree holds a tree */
+    bool pinned;          /* it is used together with others, and is not evicted for them */
     bool compiled;        /* its kernels have run before */
     double cold_ms;       /* time of the first build, on fresh memory; 0: not built yet */
     bool checked;         /* its tree was checked; one that is built again must be like it: */
@@ -49,8 +52,18 @@ bb_status bb_residency_layout(bb_residency *all, const bb_layout *layout,
 /* Frees what makes layouts, after all residents were evicted. */
 void bb_residency_end(bb_residency *all);
 
+/* Pins `count` residents, from `first` on, and no others. What is pinned stays when there is no
+ * room: only its layouts make room, all of them for a tree, all but one kind for a layout. So trees
+ * that are used together are all made before their layouts. */
+void bb_residency_pin(bb_residency *all, bb_resident *first, uint32_t count);
+
 /* Makes sure that the tree exists. If it does not fit beside the others, they are evicted. */
 bb_status bb_resident_tree(bb_residency *all, bb_resident *resident);
+
+/* Builds the tree again, as bb_instance_build() does. If memory is short, others are evicted. After
+ * a failure the tree is gone. */
+bb_status bb_resident_build(bb_residency *all, bb_resident *resident, bool exact,
+                            bb_build_timing *timing);
 
 /* Makes sure that a tree that exists is on the device, as bb_tree_upload() does. If it does not fit
  * beside the others, they are evicted. */
