@@ -1,6 +1,7 @@
 /* The accuracy of a march: the distance of samples against the error, and against the time. */
 #include "framework/tasks/dvr_private.h"
 
+#include "framework/base/interrupt.h"
 #include "framework/bench/turns.h"
 #include "framework/device/stopwatch.h"
 
@@ -72,7 +73,7 @@ static bb_status study_view(const study *s, bb_dvr_error *coarser)
     BB_TRY(set_step(s, 2 * finest));
     BB_TRY(march_reference(s, s->lights));
     add_error(s, s->lights, coarser);
-    for (uint32_t i = 0; i < request->step_count; i++) {
+    for (uint32_t i = 0; i < request->step_count && !bb_interrupted(); i++) {
         bb_dvr_error *error = &s->dvr->errors[i];
         error->step = request->steps[i];
         BB_TRY(set_step(s, request->steps[i]));
@@ -89,6 +90,8 @@ static bb_status take_turn(void *self, uint32_t who, uint32_t round, double *ms)
     bb_stopwatch watch;
     bb_timing timing;
     (void)round;
+    if (bb_interrupted())
+        return BB_OK;
     BB_TRY(set_step(s, error->step));
     BB_TRY(bb_stopwatch_start(s->dvr->device, &watch));
     /* counting, as the pictures were: the same kernel for all */
@@ -107,7 +110,7 @@ static bb_status time_steps(study *s)
                       .count = s->dvr->error_count,
                       .self = s,
                       .turn = take_turn};
-    for (uint32_t round = 0; round <= ROUNDS; round++)
+    for (uint32_t round = 0; round <= ROUNDS && !bb_interrupted(); round++)
         BB_TRY(bb_turns_round(&turns, round));
     return BB_OK;
 }
@@ -120,11 +123,13 @@ static bb_status study_all(study *s)
     BB_TRY(bb_host_alloc(NULL, dvr->pixels * sizeof *s->reference, "pictures", &s->reference));
     BB_TRY(bb_host_alloc(NULL, dvr->pixels * sizeof *s->lights, "pictures", &s->lights));
     BB_TRY(bb_host_alloc(NULL, dvr->pixels * sizeof *s->counts, "counts", &s->counts));
-    dvr->error_count = dvr->request->step_count;
-    for (uint32_t v = 0; v < dvr->task.questions; v++) {
+    for (uint32_t v = 0; v < dvr->task.questions && !bb_interrupted(); v++) {
         BB_TRY(bb_dvr_take_view(dvr, v));
         BB_TRY(study_view(s, &coarser));
     }
+    if (bb_interrupted())
+        return BB_OK; /* errors are of all pictures, or none */
+    dvr->error_count = dvr->request->step_count;
     for (uint32_t i = 0; i < dvr->error_count; i++)
         dvr->errors[i].rms = sqrt(dvr->errors[i].rms / values);
     dvr->converged = coarser.most;

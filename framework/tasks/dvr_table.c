@@ -119,7 +119,8 @@ void bb_dvr_fill_questions(const bb_dvr *dvr, bb_table *table)
         bb_table_set_number(table, row, &largest_error, error->most);
         bb_table_set_number(table, row, &rms_error, error->rms);
         bb_table_set_number(table, row, &samples, error->samples);
-        bb_table_set_rounds(table, row, &picture_ms, &error->march);
+        if (error->march.count > 1) /* else it was interrupted before a round that counts */
+            bb_table_set_rounds(table, row, &picture_ms, &error->march);
     }
     for (uint32_t v = 0; request->pictures != NULL && v < views; v++) {
         char path[256];
