@@ -229,26 +229,28 @@ static bb_status build_reference(bb_bench *bench, bb_entrant *entrant)
     return BB_OK;
 }
 
-/* Takes the tree and the times of the reference that builds the same tree, and makes sure that the
- * library has what the query asks for. A reference that was not built, for its failure or an
- * interruption, stays as it is. */
+/* Takes the tree of the reference that builds the same one, with its times and its failure, before
+ * that one's query is checked: to lack it is the other's alone. */
+static void share_reference(bb_entrant *entrant)
+{
+    const bb_build_record *from = &entrant->tree_of->record;
+    bb_build_record *record = &entrant->record;
+    entrant->embree = entrant->tree_of->embree;
+    record->cold_ms = from->cold_ms;
+    record->build_ms = from->build_ms;
+    record->bytes_native = from->bytes_native;
+    record->status = from->status;
+    snprintf(record->reason, sizeof record->reason, "%s", from->reason);
+}
+
+/* Makes sure that the library has what the query asks for. */
 static bb_status finish_reference(bb_entrant *entrant)
 {
-    bb_build_record *record = &entrant->record;
-    if (entrant->tree_of != NULL) {
-        const bb_build_record *from = &entrant->tree_of->record;
-        entrant->embree = entrant->tree_of->embree;
-        record->cold_ms = from->cold_ms;
-        record->build_ms = from->build_ms;
-        record->bytes_native = from->bytes_native;
-        if (entrant->embree == NULL && from->status != BB_OK)
-            return bb_fail(from->status, "%s", from->reason);
-    }
     if (entrant->embree == NULL)
         return BB_OK;
     const bb_status status = bb_embree_set_query(entrant->embree, &entrant->spec);
     if (status != BB_OK)
-        record->build_ms.count = 0; /* nothing is traced with it */
+        entrant->record.build_ms.count = 0; /* nothing is traced with it */
     return status;
 }
 
@@ -408,6 +410,9 @@ bb_status bb_bench_builds(bb_bench *bench)
     BB_TRY(bb_turns_warm_up(&turns, bench->progress, bench->scene->name, "builds"));
     for (uint32_t round = 0; round < rounds + phase_builds && !bb_interrupted(); round++)
         BB_TRY(bb_turns_round(&turns, round));
+    for (uint32_t i = 0; i < bench->entrant_count; i++)
+        if (bench->entrants[i].tree_of != NULL)
+            share_reference(&bench->entrants[i]);
     for (uint32_t i = 0; i < bench->entrant_count; i++) {
         bb_entrant *entrant = &bench->entrants[i];
         if (entrant->record.status != BB_OK || bb_interrupted())
