@@ -481,6 +481,45 @@ static void the_fastest_reference_is_named(void **state)
     bb_results_destroy(results);
 }
 
+/* In one scene of two, `part` of the builds of "fast" is done once more outside the clock. */
+static bb_results *with_untimed(double part, bb_field_id where)
+{
+    bb_results *d = three_builders();
+    const bb_samples rounds = samples(part * 10, 0);
+    const bb_cell cell = {{[BB_SCENE] = "b", [BB_BUILDER] = "fast"}};
+    bb_put_rounds(bb_results_find(d, cell), where, &rounds);
+    return read_back(d);
+}
+
+static void work_outside_the_clock_wins_nothing_by_builds(void **state)
+{
+    (void)state;
+    bb_summary s;
+    for (int i = 0; i < 2; i++) {
+        bb_results *results =
+            with_untimed(0.2, i == 0 ? BB_F_BUILD_RESTORE_MS : BB_F_BUILD_OUTSIDE_MS);
+        assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
+        const bb_summary_row *fast = row_of(&s, "fast"), *slow = row_of(&s, "slow");
+        assert_true(fast->leaves_out && !slow->leaves_out);
+        assert_near(fast->untimed, 0.2);
+        assert_near(fast->build.value, 100); /* the figure itself stays */
+        assert_true(!fast->build.best && !fast->build.tied && !fast->image[0].best);
+        assert_true(slow->build.best || slow->build.tied);
+        assert_true(!fast->curve_first[0]);
+        assert_null(strstr(sentence_of(&s, "Fastest build"), "fast"));
+        assert_null(strstr(sentence_of(&s, "Fastest image"), "fast"));
+        expect_words(&s, "Outside the clock", "fast 0.20x its build");
+        bb_summary_free(&s);
+        bb_results_destroy(results);
+    }
+    bb_results *results = with_untimed(0.09, BB_F_BUILD_RESTORE_MS);
+    assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
+    assert_true(!row_of(&s, "fast")->leaves_out && row_of(&s, "fast")->build.best);
+    assert_string_equal(sentence_of(&s, "Outside the clock"), "");
+    bb_summary_free(&s);
+    bb_results_destroy(results);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -496,6 +535,7 @@ int main(void)
         cmocka_unit_test(a_busy_machine_is_said),
         cmocka_unit_test(long_names_are_shortened),
         cmocka_unit_test(the_fastest_reference_is_named),
+        cmocka_unit_test(work_outside_the_clock_wins_nothing_by_builds),
     };
     return cmocka_run_group_tests_name("summary", tests, NULL, NULL);
 }

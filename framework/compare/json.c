@@ -28,6 +28,8 @@ static void put_row(bb_json *json, const bb_summary_row *row)
     put_standing(json, "trace", &row->trace);
     bb_json_add_number(json, "mrays_s", row->mrays_s);
     bb_json_add_number(json, "group", row->group == UINT32_MAX ? (double)NAN : row->group);
+    bb_json_add_number(json, "untimed", row->untimed);
+    bb_json_add_bool(json, "leaves_out", row->leaves_out);
     put_standing(json, "build", &row->build);
     put_standing(json, "ready", &row->ready);
     bb_json_array(json, "image");

@@ -203,12 +203,18 @@ bool bb_is_tie(const bb_mean *ratio)
     return isfinite(ratio->rounds.low) && ratio->rounds.low <= 1 && ratio->rounds.high >= 1;
 }
 
+bool bb_leaves_out(const bb_summary_view *v, uint32_t e, const bb_measure *m)
+{
+    return v->untimed[e] > BB_UNTIMED_MOST &&
+           (m->quantity == BB_OF_BUILD || m->quantity == BB_OF_READY || m->quantity == BB_OF_IMAGE);
+}
+
 uint32_t bb_best_builder(const bb_summary_view *v, const bb_measure *m)
 {
     uint32_t best = BB_NOBODY;
     double least = INFINITY;
     for (uint32_t e = 0; e < v->n->entrant_count; e++) {
-        if (!v->whole[e] || v->n->entrants[e].reference)
+        if (!v->whole[e] || v->n->entrants[e].reference || bb_leaves_out(v, e, m))
             continue;
         bb_mean own = bb_mean_ratio(v, e, BB_NOBODY, m);
         if (own.value < least) {

@@ -59,6 +59,7 @@ static void read_build(const bb_results *results, const bb_entry *build, bb_buil
     const bb_entry *scene = bb_results_scene(results, bb_get_text(build, BB_F_BUILD_SCENE));
     double native = bb_get_number(build, BB_F_BUILD_BYTES_NATIVE);
     b->build_ms = bb_get_number(build, BB_F_BUILD_MS_MEDIAN);
+    b->untimed_ms = or_zero(bb_get_number(build, BB_F_BUILD_UNTIMED));
     b->there = true;
     b->ok = bb_is_ok(build) && b->build_ms > 0;
     b->build_all = samples_of(build, BB_F_BUILD_MS);

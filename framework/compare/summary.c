@@ -33,7 +33,8 @@ static bb_standing stand(const bb_summary_view *v, uint32_t e, uint32_t best, co
     s.low = ratio.rounds.low;
     s.high = ratio.rounds.high;
     s.best = e == best;
-    s.tied = !s.best && !v->n->entrants[e].reference && v->whole[e] && bb_is_tie(&ratio);
+    s.tied = !s.best && !v->n->entrants[e].reference && v->whole[e] && !bb_leaves_out(v, e, m) &&
+             bb_is_tie(&ratio);
     return s;
 }
 
@@ -145,6 +146,8 @@ static void fill_row(const bb_summary_view *v, uint32_t e, const best *of, bb_su
         speed = bb_mean_ratio(v, of->base, e, &trace);
     row->trace = (bb_standing){speed.value, speed.rounds.low, speed.rounds.high, false, false};
     row->partial = !v->whole[e];
+    row->untimed = v->untimed[e];
+    row->leaves_out = !row->reference && bb_leaves_out(v, e, &build);
     row->build = stand_as_rate(v, e, of->build, &build);
     row->ready = stand_as_rate(v, e, of->ready, &ready);
     row->quality = stand(v, e, of->quality, &quality);
@@ -355,6 +358,16 @@ static void find_whole(bb_summary_view *v, const bool *enters)
     }
 }
 
+static void find_untimed(bb_summary_view *v)
+{
+    for (uint32_t e = 0; e < v->n->entrant_count; e++)
+        for (uint32_t c = 0; c < v->n->scene_count; c++) {
+            const bb_built *build = bb_built_of(v, e, c);
+            if (v->scenes[c] && build->ok)
+                v->untimed[e] = fmax(v->untimed[e], build->untimed_ms / build->build_ms);
+        }
+}
+
 static void find_best(const bb_summary_view *v, bool referenced, best *of)
 {
     of->build = bb_best_builder(v, &(bb_measure){BB_OF_BUILD, 0});
@@ -378,6 +391,7 @@ static bb_status make_rows(bb_summary_view *v, const bb_summary_choice *choice, 
     choose_sets(v, choice, enters, s);
     s->sets_differ = any_differ(v);
     find_whole(v, enters);
+    find_untimed(v);
     for (uint32_t i = 0; i < v->n->set_count; i++)
         for (uint32_t e = 0; e < v->n->entrant_count; e++)
             if (v->sets[i] && v->n->entrants[e].reference && bb_fastest(v, e, i, 0) != NULL)
@@ -406,11 +420,12 @@ bb_status bb_summary_of(const bb_numbers *numbers, const bb_summary_choice *choi
     v.scenes = calloc(numbers->scene_count + 1, sizeof *v.scenes);
     v.favourites = calloc(numbers->entrant_count + 1, sizeof *v.favourites);
     v.whole = calloc(numbers->entrant_count + 1, sizeof *v.whole);
+    v.untimed = calloc(numbers->entrant_count + 1, sizeof *v.untimed);
     bool *enters = calloc(numbers->entrant_count + 1, sizeof *enters);
     summary->rows = calloc(numbers->entrant_count + 1, sizeof *summary->rows);
     bb_status status = BB_OK;
     if (v.sets == NULL || v.scenes == NULL || v.favourites == NULL || v.whole == NULL ||
-        enters == NULL || summary->rows == NULL)
+        v.untimed == NULL || enters == NULL || summary->rows == NULL)
         status = bb_fail(BB_FAILED, "summary: no memory");
     if (status == BB_OK)
         status = make_rows(&v, choice, enters, summary);
@@ -426,6 +441,7 @@ bb_status bb_summary_of(const bb_numbers *numbers, const bb_summary_choice *choi
     free(v.scenes);
     free(v.favourites);
     free(v.whole);
+    free(v.untimed);
     free(enters);
     return status;
 }

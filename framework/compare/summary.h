@@ -53,6 +53,10 @@ typedef struct bb_summary_row {
     /* This run cannot tell the builders of a group from its first by their traces. Group 0 is the
      * fastest; UINT32_MAX: no figure. */
     uint32_t group;
+    /* The largest part of a build that recurs outside its clock; above a tenth (`leaves_out`) it is
+     * never best by its build. */
+    double untimed;
+    bool leaves_out;
     bb_standing build; /* million primitives per second */
     bb_standing ready; /* the same for build and layout of the kernel that is fastest most often */
     /* Time to image (build + layout + n rays), divided by that of the best builder. */

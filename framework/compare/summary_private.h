@@ -22,7 +22,7 @@ typedef struct bb_built {
     bool there, ok;
     double fixed_ms; /* median time before the layout: build, boxes, transfer */
     bb_samples fixed_all;
-    double build_ms;
+    double build_ms, untimed_ms; /* untimed: outside the clock, with each build */
     bb_samples build_all;
     double prims, peak;
     double quality; /* of the metric that layouts have too (SAH) */
@@ -77,8 +77,10 @@ typedef struct bb_measure {
 
 typedef struct bb_summary_view {
     const bb_numbers *n;
-    bool *sets, *scenes;     /* that enter */
-    bool *whole;             /* entrants that have figures for all of these */
+    bool *sets, *scenes; /* that enter */
+    bool *whole;         /* entrants that have figures for all of these */
+    /* for each entrant, the largest part of its build on a scene that recurs outside the clock */
+    double *untimed;
     const char **favourites; /* for each entrant, the kernel that is fastest most often, or NULL */
 } bb_summary_view;
 
@@ -102,6 +104,9 @@ const bb_candidate *bb_fastest_reference(const bb_summary_view *view, uint32_t s
 const bb_candidate *bb_fastest(const bb_summary_view *v, uint32_t e, uint32_t set, double rays);
 
 bb_mean bb_mean_ratio(const bb_summary_view *v, uint32_t a, uint32_t b, const bb_measure *m);
+
+/* Returns whether the entrant's own figure of this quantity leaves out work that recurs. */
+bool bb_leaves_out(const bb_summary_view *v, uint32_t e, const bb_measure *m);
 
 /* Returns whether this run cannot tell two apart: the interval of their ratio includes 1. */
 bool bb_is_tie(const bb_mean *ratio);

@@ -139,7 +139,7 @@ static podium find_podium(const bb_summary *s, pick figure, uint32_t k, double s
     for (uint32_t i = 0; i < s->builder_count; i++) {
         const bb_summary_row *row = &s->rows[i];
         const bb_standing *standing = figure(row, k);
-        if (!isfinite(standing->value) || row->partial)
+        if (!isfinite(standing->value) || row->partial || row->leaves_out)
             continue;
         if (standing->best)
             p.best = row;
@@ -158,7 +158,7 @@ static void say_builds(bb_summary *s)
     if (p.best == NULL)
         return;
     for (uint32_t i = 0; i < s->builder_count; i++)
-        if (isfinite(s->rows[i].build.value) && !s->rows[i].partial &&
+        if (isfinite(s->rows[i].build.value) && !s->rows[i].partial && !s->rows[i].leaves_out &&
             (last == NULL || s->rows[i].build.value < last->build.value))
             last = &s->rows[i];
     double rate = p.best->build.value;
@@ -173,6 +173,21 @@ static void say_builds(bb_summary *s)
         say(sentence, "; %s %s", times_text(rate / p.next->build.value, text), p.next->name);
     if (last != NULL && last != p.next && last != p.best)
         say(sentence, ", %s %s", times_text(rate / last->build.value, text), last->name);
+}
+
+/* Says who works outside the clock, and how much. */
+static void say_untimed(bb_summary *s)
+{
+    bb_sentence *sentence = NULL;
+    char text[32];
+    for (uint32_t i = 0; i < s->builder_count; i++) {
+        if (!s->rows[i].leaves_out)
+            continue;
+        const bool first = sentence == NULL;
+        sentence = first ? begin(s, "Outside the clock") : sentence;
+        say(sentence, "%s%s %s its build", first ? "with each build, " : ", ", s->rows[i].name,
+            times_text(s->rows[i].untimed, text));
+    }
 }
 
 static void say_image_at(bb_summary *s, uint32_t k, const char *label)
@@ -202,7 +217,7 @@ static void say_crossings(bb_summary *s)
     for (uint32_t i = 0; i < BB_SUMMARY_CURVE; i++) {
         const bb_summary_row *first = NULL;
         for (uint32_t r = 0; r < s->builder_count; r++)
-            if (!s->rows[r].partial && isfinite(s->rows[r].curve[i]) &&
+            if (!s->rows[r].partial && !s->rows[r].leaves_out && isfinite(s->rows[r].curve[i]) &&
                 (first == NULL || s->rows[r].curve[i] < first->curve[i]))
                 first = &s->rows[r];
         if (first == NULL)
@@ -284,6 +299,7 @@ void bb_summary_say(bb_summary *summary)
     if (summary->reference != NULL)
         say_yardsticks(summary);
     say_builds(summary);
+    say_untimed(summary);
     say_crossings(summary);
     say_image_at(summary, 1, "For 1 M rays");
     say_image_at(summary, 4, "For 1 G rays");

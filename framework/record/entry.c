@@ -96,6 +96,14 @@ static double rate_of(const bb_entry *trace)
                                            bb_get_number(trace, BB_F_TRACE_MS));
 }
 
+/* NAN: neither was measured. */
+static double untimed_of(const bb_entry *build)
+{
+    const double restore = bb_get_number(build, BB_F_BUILD_RESTORE_MS);
+    const double outside = bb_get_number(build, BB_F_BUILD_OUTSIDE_MS);
+    return !isfinite(restore) ? outside : !isfinite(outside) ? restore : restore + outside;
+}
+
 static double prims_of(const bb_entry *build)
 {
     const bb_cell cell = {{[BB_SCENE] = bb_get_text(build, BB_F_BUILD_SCENE)}};
@@ -127,6 +135,8 @@ static double derived(const bb_entry *entry, bb_field_id field)
         return estimate(entry, BB_F_BUILD_MS).least;
     case BB_F_BUILD_MS_MOST:
         return estimate(entry, BB_F_BUILD_MS).most;
+    case BB_F_BUILD_UNTIMED:
+        return untimed_of(entry);
     case BB_F_BUILD_RATE:
         return million_per_s(prims_of(entry), bb_get_number(entry, BB_F_BUILD_MS));
     case BB_F_TRACE_MS_MEDIAN:
@@ -201,6 +211,12 @@ const char *bb_get_named_text(const bb_entry *entry, bb_field_id field, const ch
         return "";
     const bb_entry part = part_named(entry, name);
     return bb_get_text(&part, field);
+}
+
+double bb_left_out_ms(const bb_entry *build)
+{
+    const double ms = bb_get_number(build, BB_F_BUILD_UNTIMED);
+    return ms > BB_UNTIMED_MOST * bb_get_number(build, BB_F_BUILD_MS) ? ms : 0;
 }
 
 double bb_first_ray_ms(const bb_entry *build, const char *layout)

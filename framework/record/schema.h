@@ -124,6 +124,12 @@ const char *bb_get_named_text(const bb_entry *entry, bb_field_id field, const ch
  * layout. For a reference it is the build alone, which includes boxes and layout and needs no
  * transfer. NAN if the build or the layout was not measured. */
 double bb_first_ray_ms(const bb_entry *build, const char *layout);
+
+/* A builder that does more than this part of its build again outside the clock is never the
+ * fastest. */
+#define BB_UNTIMED_MOST 0.1
+/* Returns what recurs with each build outside its clock, in ms, if it is more than that; else 0. */
+double bb_left_out_ms(const bb_entry *build);
 /* Copies the rounds. Returns false if there are none. */
 bool bb_get_samples(const bb_entry *entry, bb_field_id field, bb_samples *samples);
 /* Return the decision on `what` as text and as number; "" and NAN if there is none. */

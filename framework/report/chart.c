@@ -121,7 +121,7 @@ static bb_chart_cell first_cell(const entry *from)
         .trace = trace,
         .build = build,
         .trace_index = from->index,
-        .fixed_ms = bb_first_ray_ms(build, layout),
+        .fixed_ms = bb_first_ray_ms(build, layout) + bb_left_out_ms(build),
         .reference = reference,
         .usable = true,
     };

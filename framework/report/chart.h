@@ -22,7 +22,8 @@ typedef struct bb_chart_cell {
     double mrays_s_least, mrays_s_most; /* range of the rounds, summed in the same way */
     double checked, wrong_rays, missed, false_hits, wrong_t; /* rays */
     bb_wrong_rate wrong;
-    double fixed_ms; /* time before the first ray: boxes, build, transfer and layout */
+    double fixed_ms; /* time before the first ray: boxes, build, transfer, layout, and
+                      * what is left out of the build (bb_left_out_ms()) */
     double metrics[BB_METRICS_MAX]; /* as bb_metrics; of the layout as traced, if known */
     bool reference;
     bool usable; /* a reference, or within the run's limit of wrong rays */

@@ -197,14 +197,27 @@ static void add_layouts(bb_page *page, const bb_section *builds, const char *sce
     }
 }
 
-static void add_build(bb_page *page, const bb_entry *build, const bb_metric *const *metrics,
-                      uint32_t count)
+/* Whether a builder works outside the clock. */
+static bool any_untimed(const bb_section *builds)
+{
+    bool any = false;
+    bb_each(build, builds)
+    {
+        any = any || bb_get_number(build, BB_F_BUILD_UNTIMED) > 0;
+    }
+    return any;
+}
+
+static void add_build(bb_page *page, const bb_entry *build, bool untimed,
+                      const bb_metric *const *metrics, uint32_t count)
 {
     const bb_entry *layout = bb_first_part(build, BB_F_BUILD_LAYOUTS_MS);
     const double native = bb_get_number(build, BB_F_BUILD_BYTES_NATIVE);
     put_builder(page, build, of_builds[0]);
     put_fields(page, build, of_builds + 1, OF_BUILDS - 1);
     put_median(page, build, BB_F_BUILD_MS_MEDIAN, BB_F_BUILD_MS_LO);
+    if (untimed)
+        put_number(page, bb_get_number(build, BB_F_BUILD_UNTIMED));
     put_number(page, layout != NULL ? bb_get_number(layout, BB_F_BUILD_LAYOUTS_MS) : (double)NAN);
     put_number(page, bb_first_ray_ms(build, layout != NULL ? bb_part_name(layout) : ""));
     for (uint32_t i = 0; i < count; i++)
@@ -218,6 +231,7 @@ static void add_builds(bb_page *page, const bb_results *results, const char *sce
     const bb_section *builds = bb_results_section(results, BB_BUILDS);
     const bb_metric *metrics[BB_METRICS_MAX];
     const uint32_t count = choose_metrics(builds, metrics);
+    const bool untimed = any_untimed(builds);
     const bb_entry *first = bb_first(builds);
     while (first != NULL && !is_of(first, scene))
         first = bb_next(first);
@@ -225,7 +239,8 @@ static void add_builds(bb_page *page, const bb_results *results, const char *sce
         return;
     bb_page_grid(page, "");
     add_columns(page, of_builds, OF_BUILDS);
-    add_columns(page, (const bb_field_id[]){BB_F_BUILD_MS_MEDIAN}, 1);
+    add_columns(page, (const bb_field_id[]){BB_F_BUILD_MS_MEDIAN, BB_F_BUILD_UNTIMED},
+                untimed ? 2 : 1);
     bb_page_column(page, "Layout ms", "", "", -1);
     bb_page_column(page, "First ray", "", "", -1);
     for (uint32_t i = 0; i < count; i++)
@@ -235,7 +250,7 @@ static void add_builds(bb_page *page, const bb_results *results, const char *sce
     bb_each(build, builds)
     {
         if (is_of(build, scene))
-            add_build(page, build, metrics, count);
+            add_build(page, build, untimed, metrics, count);
     }
     show(&about_view, results, scene, page);
     show(&stages_view, results, scene, page);

@@ -91,6 +91,11 @@ static void put_wrong(bb_page *page, const bb_summary_row *row)
     bb_page_put_text(page, wrong == 0 ? "none" : bb_figure(text, wrong, 0));
 }
 
+static char mark_of(const bb_summary_row *row, size_t column, const bb_standing *standing)
+{
+    return column == 0 && row->leaves_out ? '!' : standing->best ? '*' : standing->tied ? '~' : 0;
+}
+
 static void add_row(bb_page *page, const bb_summary *s, const bb_summary_row *row, bool wide)
 {
     bb_page_put_text(page, wide && row->run == 0 ? row->builder : row->name);
@@ -99,7 +104,7 @@ static void add_row(bb_page *page, const bb_summary *s, const bb_summary_row *ro
     for (size_t i = 0; i < COLUMNS; i++) {
         const bb_standing *standing = (const void *)((const char *)row + columns[i].standing);
         if (wide || !columns[i].wide)
-            put_number(page, standing->value, standing->best ? '*' : standing->tied ? '~' : 0);
+            put_number(page, standing->value, mark_of(row, i, standing));
     }
     put_number(page, row->peak / (1 << 20), 0);
     put_wrong(page, row);
@@ -127,9 +132,11 @@ static void add_rows(bb_page *page, const bb_summary *s, bool wide)
 static void add_legend(bb_page *page, const bb_summary *s)
 {
     char ties[80];
-    uint32_t partial = 0;
-    for (uint32_t i = 0; i < s->row_count; i++)
+    uint32_t partial = 0, left_out = 0;
+    for (uint32_t i = 0; i < s->row_count; i++) {
         partial += s->rows[i].partial;
+        left_out += s->rows[i].leaves_out;
+    }
     snprintf(ties, sizeof ties,
              s->rounds < BB_INTERVAL_ROUNDS ? "ties take %d rounds to know"
                                             : "equal ones are not told from their first (95 %%)",
@@ -138,6 +145,9 @@ static void add_legend(bb_page *page, const bb_summary *s)
                  "geometric means over ray sets; M/s: million primitives; * best builder, ~ not "
                  "told from it; with layout: build and layout; rays: these and the image of so "
                  "many rays, by the best; work: counted, per ray");
+    if (left_out > 0)
+        bb_page_note(page, "! with each build, more than a tenth of it again is done outside the "
+                           "clock: not ranked by build or image");
     if (s->reference != NULL)
         bb_page_note(page, "/ref: %s, by its fastest row on each ray set", s->reference);
     bb_page_note(page, "#: rank by traces, %s%s", ties,

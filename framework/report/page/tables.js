@@ -136,6 +136,7 @@ function buildTable() {
   addTable($('builds-tables'), 'Builds. Press a heading to sort; the table scrolls sideways.', [
     field('build', 'builder'), ...runColumn, ...fields('build', ['scene', 'mprims_s', 'build_handover']),
     medianColumn('build', 'build_ms_median', builds, 'build_ms'),
+    ...(builds.some(b => b.untimed_ms > 0) ? [field('build', 'untimed_ms')] : []),
     ...minor(fields('build', ['cold_ms', 'boxes_ms', 'transfer_ms', 'prepare_ms', 'restore_ms', 'outside_ms', 'inputs'])),
     ...metrics.map(m => num(m.title, b => metricOf(b, m), [m.full_title, m.unit].filter(Boolean).join(', '))),
     field('tree', 'depth'), ...minor(fields('tree', ['arity', 'nodes', 'refs'])),
