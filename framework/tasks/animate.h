@@ -136,21 +136,24 @@ uint32_t bb_animate_failed(const bb_animate_result *result);
 /* Median over the rounds that count and in which it was measured; NAN if there is none. */
 double bb_animate_median(const bb_animate_result *result, const bb_rounds rounds);
 
-/* Of a method over all frames but the first, which is a build for all. */
+/* Of a method over all frames but the first, which is a build for all. Rounds are means, in ms; NAN
+ * where it lacks a frame. */
 typedef struct bb_animate_sums {
     uint32_t frames;
     uint32_t ways[BB_REBUILT + 1];
-    double update, worst_update, transfer;                       /* means and maximum, ms */
-    uint32_t worst_frame;                                        /* whose update that was */
-    double layout[BB_ANIMATE_KERNELS_MAX];                       /* means */
-    uint32_t in_place[BB_ANIMATE_KERNELS_MAX];                   /* frames */
-    double rays_ms[BB_ANIMATE_KERNELS_MAX][BB_ANIMATE_RAYS_MAX]; /* sums */
-    double rays[BB_ANIMATE_RAYS_MAX];                            /* sums of counts */
+    bb_rounds update, update_cpu, transfer;
+    double worst_update;  /* maximum */
+    uint32_t worst_frame; /* whose update that was */
+    bb_rounds layout[BB_ANIMATE_KERNELS_MAX];
+    uint32_t in_place[BB_ANIMATE_KERNELS_MAX]; /* frames */
+    /* of frames with such rays */
+    bb_rounds traces[BB_ANIMATE_KERNELS_MAX][BB_ANIMATE_RAYS_MAX];
+    double rays[BB_ANIMATE_RAYS_MAX]; /* mean counts */
     /* over the least of a tree made for the frame, of frames whose scene has an area; NAN: none */
     double sah_mean, sah_most, sah_last;
     double fresh_most[BB_ANIMATE_YARDSTICKS_MAX]; /* over that of each yardstick */
     double drift;                                 /* of the ratio to the least, per frame */
-    uint64_t wrong, checked;
+    uint64_t kernel_wrong[BB_ANIMATE_KERNELS_MAX], wrong, checked; /* in all frames */
 } bb_animate_sums;
 
 bb_animate_sums bb_animate_sum(const bb_animate_result *result, const bb_animate_method *method);

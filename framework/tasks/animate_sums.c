@@ -17,12 +17,8 @@ double bb_animate_median(const bb_animate_result *result, const bb_rounds rounds
 uint64_t bb_animate_wrong(const bb_animate_result *result)
 {
     uint64_t wrong = 0;
-    for (uint32_t m = 0; m < result->method_count; m++) {
-        const bb_animate_method *method = &result->methods[m];
-        for (uint32_t f = 0; f < method->done; f++)
-            for (uint32_t k = 0; k < result->kernel_count; k++)
-                wrong += method->frames[f].traces[k].wrong;
-    }
+    for (uint32_t m = 0; m < result->method_count; m++)
+        wrong += bb_animate_sum(result, &result->methods[m]).wrong;
     return wrong;
 }
 
@@ -34,16 +30,61 @@ uint32_t bb_animate_failed(const bb_animate_result *result)
     return failed;
 }
 
-static void add_traces(const bb_animate_result *result, const bb_animate_frame *frame,
-                       const bb_animate_state *state, bb_animate_sums *sums)
+static void add(const bb_animate_result *result, const bb_rounds rounds, bb_rounds sum)
 {
+    for (uint32_t r = 0; r <= result->rounds; r++)
+        sum[r] += rounds[r];
+}
+
+static void divide(const bb_animate_result *result, bb_rounds sum, double count)
+{
+    for (uint32_t r = 0; r <= result->rounds; r++)
+        sum[r] /= count;
+}
+
+/* Adds a frame but the first. */
+static void add_frame(const bb_animate_result *result, const bb_animate_frame *frame,
+                      const bb_animate_state *state, bb_animate_sums *sums)
+{
+    const double ms = bb_animate_median(result, frame->update);
+    sums->frames++;
+    sums->ways[frame->way]++;
+    if (isnan(sums->worst_update) || ms > sums->worst_update) {
+        sums->worst_update = ms;
+        sums->worst_frame = state->frame;
+    }
+    add(result, frame->update, sums->update);
+    add(result, frame->update_cpu, sums->update_cpu);
+    add(result, frame->transfer, sums->transfer);
     for (uint32_t k = 0; k < result->kernel_count; k++) {
         const bb_animate_trace *trace = &frame->traces[k];
-        sums->layout[k] += bb_animate_median(result, trace->layout);
         sums->in_place[k] += trace->in_place;
+        add(result, trace->layout, sums->layout[k]);
         for (uint32_t i = 0; i < result->ray_count; i++)
             if (state->rays[i] > 0)
-                sums->rays_ms[k][i] += bb_animate_median(result, trace->rays[i]);
+                add(result, trace->rays[i], sums->traces[k][i]);
+    }
+}
+
+/* Makes means of the sums. */
+static void finish_times(const bb_animate_result *result, const bb_animate_method *method,
+                         bb_animate_sums *sums)
+{
+    double with_rays[BB_ANIMATE_RAYS_MAX] = {0};
+    for (uint32_t i = 0; i < result->ray_count; i++) {
+        for (uint32_t f = 1; f < method->done; f++) {
+            sums->rays[i] += result->states[f].rays[i];
+            with_rays[i] += result->states[f].rays[i] > 0;
+        }
+        sums->rays[i] /= with_rays[i];
+    }
+    divide(result, sums->update, sums->frames);
+    divide(result, sums->update_cpu, sums->frames);
+    divide(result, sums->transfer, sums->frames);
+    for (uint32_t k = 0; k < result->kernel_count; k++) {
+        divide(result, sums->layout[k], sums->frames);
+        for (uint32_t i = 0; i < result->ray_count; i++)
+            divide(result, sums->traces[k][i], with_rays[i]);
     }
 }
 
@@ -89,39 +130,22 @@ bb_animate_sums bb_animate_sum(const bb_animate_result *result, const bb_animate
     costs c = {0};
     for (uint32_t i = 0; i < BB_ANIMATE_YARDSTICKS_MAX; i++)
         sums.fresh_most[i] = NAN;
-    for (uint32_t f = 0; f < method->done; f++)
-        for (uint32_t k = 0; k < result->kernel_count; k++) {
-            sums.wrong += method->frames[f].traces[k].wrong;
-            sums.checked += method->frames[f].traces[k].checked;
-        }
-    for (uint32_t f = 1; f < method->done; f++) {
+    for (uint32_t f = 0; f < method->done; f++) {
         const bb_animate_frame *frame = &method->frames[f];
-        const bb_animate_state *state = &result->states[f];
-        double update = bb_animate_median(result, frame->update);
-        sums.frames++;
-        sums.ways[frame->way]++;
-        sums.update += update;
-        if (isnan(sums.worst_update) || update > sums.worst_update) {
-            sums.worst_update = update;
-            sums.worst_frame = state->frame;
+        for (uint32_t k = 0; k < result->kernel_count; k++) {
+            sums.kernel_wrong[k] += frame->traces[k].wrong;
+            sums.wrong += frame->traces[k].wrong;
+            sums.checked += frame->traces[k].checked;
         }
-        sums.transfer += bb_animate_median(result, frame->transfer);
-        for (uint32_t i = 0; i < result->ray_count; i++)
-            sums.rays[i] += state->rays[i];
-        add_traces(result, frame, state, &sums);
-        add_cost(result, frame, state, f, &sums, &c);
+        if (f > 0) {
+            add_frame(result, frame, &result->states[f], &sums);
+            add_cost(result, frame, &result->states[f], f, &sums, &c);
+        }
     }
-    double n = sums.frames;
-    if (n == 0)
-        return sums;
+    finish_times(result, method, &sums);
     finish_costs(&c, &sums);
-    sums.update /= n;
-    sums.transfer /= n;
-    for (uint32_t k = 0; k < result->kernel_count; k++)
-        sums.layout[k] /= n;
     return sums;
 }
-
 static double round_ms(const bb_animate_result *result, const bb_animate_frame *frame,
                        const bb_animate_state *state, uint32_t kernel, uint32_t parts,
                        uint32_t round)

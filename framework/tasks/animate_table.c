@@ -102,27 +102,6 @@ static void put(bb_table *table, uint32_t row, const bb_column *column, const bb
     bb_table_set_rounds(table, row, column, &samples);
 }
 
-typedef struct mean {
-    bb_rounds sum;
-    uint32_t count;
-} mean;
-
-static void add(mean *m, const bb_rounds rounds)
-{
-    for (uint32_t i = 0; i < BB_ANIMATE_ROUNDS_MAX; i++)
-        m->sum[i] += rounds[i];
-    m->count++;
-}
-
-static void put_mean(bb_table *table, uint32_t row, const bb_column *column,
-                     const bb_animate_result *r, const mean *m)
-{
-    bb_rounds rounds;
-    for (uint32_t i = 0; i < BB_ANIMATE_ROUNDS_MAX; i++)
-        rounds[i] = m->sum[i] / m->count;
-    put(table, row, column, r, rounds);
-}
-
 /* ---- what all methods share ---- */
 
 /* The row of a cell of the scene; NULL: it has no such name. */
@@ -208,32 +187,6 @@ static void fill_scene(const bb_animate_result *r, uint32_t row, bb_table *table
 
 /* ---- methods ---- */
 
-/* Means of a method over all frames but the first. */
-typedef struct means {
-    mean update, update_cpu, transfer;
-    mean layout[BB_ANIMATE_KERNELS_MAX];
-    mean rays[BB_ANIMATE_KERNELS_MAX][BB_ANIMATE_RAYS_MAX];
-    uint64_t wrong[BB_ANIMATE_KERNELS_MAX]; /* in all frames */
-} means;
-
-static void add_frame(const bb_animate_result *r, const bb_animate_frame *frame, uint32_t f,
-                      means *of)
-{
-    for (uint32_t k = 0; k < r->kernel_count; k++)
-        of->wrong[k] += frame->traces[k].wrong;
-    if (f == 0)
-        return;
-    add(&of->update, frame->update);
-    add(&of->update_cpu, frame->update_cpu);
-    add(&of->transfer, frame->transfer);
-    for (uint32_t k = 0; k < r->kernel_count; k++) {
-        add(&of->layout[k], frame->traces[k].layout);
-        for (uint32_t i = 0; i < r->ray_count; i++)
-            if (r->states[f].rays[i] > 0)
-                add(&of->rays[k][i], frame->traces[k].rays[i]);
-    }
-}
-
 static void fill_kernels(const bb_animate_result *r, const bb_animate_method *method, uint32_t f,
                          const char *frame, bb_table *table)
 {
@@ -278,18 +231,19 @@ static void fill_frame(const bb_animate_result *r, const bb_animate_method *meth
 }
 
 static void fill_kernel_means(const bb_animate_result *r, const bb_animate_method *method,
-                              const bb_animate_sums *sums, const means *of, bb_table *table)
+                              const bb_animate_sums *sums, bb_table *table)
 {
     for (uint32_t k = 0; k < r->kernel_count; k++) {
         const uint32_t row = row_of(r, table, NULL, NULL, method->builder, NULL, r->kernels[k]);
-        put_mean(table, row, &layout, r, &of->layout[k]);
+        put(table, row, &layout, r, sums->layout[k]);
         bb_table_set_number(table, row, &in_place, sums->in_place[k]);
-        bb_table_set_number(table, row, &all_wrong, (double)of->wrong[k]);
+        bb_table_set_number(table, row, &all_wrong, (double)sums->kernel_wrong[k]);
         for (uint32_t i = 0; i < r->ray_count; i++) {
             const uint32_t set =
                 row_of(r, table, NULL, r->rays[i], method->builder, NULL, r->kernels[k]);
-            put_mean(table, set, &trace, r, &of->rays[k][i]);
-            bb_table_set_number(table, set, &speed, sums->rays[i] / sums->rays_ms[k][i] / 1e3);
+            put(table, set, &trace, r, sums->traces[k][i]);
+            bb_table_set_number(table, set, &speed,
+                                sums->rays[i] / bb_animate_median(r, sums->traces[k][i]) / 1e3);
         }
     }
 }
@@ -314,18 +268,15 @@ static void fill_method(const bb_animate_result *r, const bb_animate_method *met
                         bb_table *table)
 {
     const bb_animate_sums sums = bb_animate_sum(r, method);
-    means of = {0};
     const uint32_t row = row_of(r, table, NULL, NULL, method->builder, NULL, NULL);
-    for (uint32_t f = 0; f < method->done; f++) {
+    for (uint32_t f = 0; f < method->done; f++)
         fill_frame(r, method, f, table);
-        add_frame(r, &method->frames[f], f, &of);
-    }
-    put_mean(table, row, &update, r, &of.update);
-    put_mean(table, row, &update_cpu, r, &of.update_cpu);
-    put_mean(table, row, &transfer, r, &of.transfer);
+    put(table, row, &update, r, sums.update);
+    put(table, row, &update_cpu, r, sums.update_cpu);
+    put(table, row, &transfer, r, sums.transfer);
     if (sums.frames > 0) {
         fill_sums(r, method, row, &sums, table);
-        fill_kernel_means(r, method, &sums, &of, table);
+        fill_kernel_means(r, method, &sums, table);
     }
     bb_table_set_number(table, row, &bb_column_bytes, (double)method->most_bytes);
     bb_table_set_number(table, row, &answers, (double)sums.checked);

@@ -11,21 +11,22 @@ typedef struct line {
     double a, b;
 } line;
 
-static bool is_right(const bb_animate_method *method, uint32_t kernel)
-{
-    for (uint32_t f = 0; f < method->done; f++)
-        if (method->frames[f].traces[kernel].wrong > 0)
-            return false;
-    return true;
-}
-
-static line line_of(const bb_animate_method *method, const bb_animate_sums *sums, uint32_t kernel,
+static line line_of(const bb_animate_result *result, const bb_animate_sums *sums, uint32_t kernel,
                     uint32_t rays)
 {
-    if (!is_right(method, kernel))
+    if (sums->kernel_wrong[kernel] > 0)
         return (line){NAN, NAN};
-    return (line){sums->update + sums->transfer + sums->layout[kernel],
-                  sums->rays_ms[kernel][rays] / sums->rays[rays]};
+    return (line){bb_animate_median(result, sums->update) +
+                      bb_animate_median(result, sums->transfer) +
+                      bb_animate_median(result, sums->layout[kernel]),
+                  bb_animate_median(result, sums->traces[kernel][rays]) / sums->rays[rays]};
+}
+
+/* The same line in one round alone, whatever the answers. */
+static line round_line(const bb_animate_sums *sums, uint32_t kernel, uint32_t rays, uint32_t round)
+{
+    return (line){sums->update[round] + sums->transfer[round] + sums->layout[kernel][round],
+                  sums->traces[kernel][rays][round] / sums->rays[rays]};
 }
 
 double bb_animate_frame_ms(const bb_animate_result *result, const bb_animate_method *method,
@@ -36,7 +37,7 @@ double bb_animate_frame_ms(const bb_animate_result *result, const bb_animate_met
         return NAN;
     bb_animate_sums sums = bb_animate_sum(result, method);
     for (uint32_t k = 0; k < result->kernel_count; k++) {
-        line time = line_of(method, &sums, k, rays);
+        line time = line_of(result, &sums, k, rays);
         double ms = time.a + count * time.b;
         if (isnan(best) || ms < best) {
             best = ms;
@@ -47,23 +48,6 @@ double bb_animate_frame_ms(const bb_animate_result *result, const bb_animate_met
     return best;
 }
 
-/* The same line in one round alone. */
-static line round_line(const bb_animate_result *result, const bb_animate_method *method,
-                       uint32_t kernel, uint32_t rays, uint32_t round)
-{
-    double before = 0, traced = 0, count = 0;
-    for (uint32_t f = 1; f < method->done; f++) {
-        const bb_animate_frame *frame = &method->frames[f];
-        const bb_animate_trace *trace = &frame->traces[kernel];
-        before += frame->update[round] + frame->transfer[round] + trace->layout[round];
-        if (result->states[f].rays[rays] > 0) {
-            traced += trace->rays[rays][round];
-            count += result->states[f].rays[rays];
-        }
-    }
-    return (line){before / (method->done - 1), traced / count};
-}
-
 bool bb_animate_is_faster(const bb_animate_result *result, const bb_animate_method *method,
                           const bb_animate_method *with, uint32_t rays, double count)
 {
@@ -72,9 +56,11 @@ bool bb_animate_is_faster(const bb_animate_result *result, const bb_animate_meth
     double other = bb_animate_frame_ms(result, with, rays, count, &kernels[1]);
     if (!(own * (1 + BB_ANIMATE_TIE) < other))
         return false;
+    const bb_animate_sums ours = bb_animate_sum(result, method),
+                          theirs = bb_animate_sum(result, with);
     for (uint32_t r = 1; r <= result->rounds; r++) {
-        line x = round_line(result, method, kernels[0], rays, r);
-        line y = round_line(result, with, kernels[1], rays, r);
+        line x = round_line(&ours, kernels[0], rays, r);
+        line y = round_line(&theirs, kernels[1], rays, r);
         if (x.a + count * x.b >= y.a + count * y.b)
             return false;
     }
@@ -111,13 +97,12 @@ static void find_crossings(const bb_animate_result *result, const bb_animate_met
     c->at[c->count++] = 0;
     for (uint32_t i = 0; i < result->kernel_count; i++)
         for (uint32_t k = 0; k < result->kernel_count; k++) {
-            line x = line_of(method, &ours, i, rays), y = line_of(with, &theirs, k, rays);
-            add_crossing(x, 1, line_of(method, &ours, k, rays), c);
-            add_crossing(line_of(with, &theirs, i, rays), 1, y, c);
+            line x = line_of(result, &ours, i, rays), y = line_of(result, &theirs, k, rays);
+            add_crossing(x, 1, line_of(result, &ours, k, rays), c);
+            add_crossing(line_of(result, &theirs, i, rays), 1, y, c);
             add_crossing(x, 1 + BB_ANIMATE_TIE, y, c);
             for (uint32_t r = 1; r <= result->rounds; r++)
-                add_crossing(round_line(result, method, i, rays, r), 1,
-                             round_line(result, with, k, rays, r), c);
+                add_crossing(round_line(&ours, i, rays, r), 1, round_line(&theirs, k, rays, r), c);
         }
     qsort(c->at, c->count, sizeof *c->at, compare_numbers);
 }
