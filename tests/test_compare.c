@@ -301,6 +301,19 @@ static void cells_of_two_devices_do_not_meet(void **state)
     }
 }
 
+/* Each build has as many rounds as an interval needs, and more. */
+static void edit_many_rounds(bb_results *r)
+{
+    bb_each(build, bb_results_section(r, BB_BUILDS))
+    {
+        bb_samples rounds = {0};
+        for (int i = 0; i < 10; i++)
+            bb_samples_add(&rounds, 10 + 0.01 * i);
+        bb_put_rounds(&(bb_entry){.table = build->table, .row = build->row}, BB_F_BUILD_MS,
+                      &rounds);
+    }
+}
+
 static void edit_much(bb_results *r)
 {
     edit_sah(r);
@@ -322,8 +335,13 @@ static void worst_comes_first_and_markdown_holds(void **state)
     assert_string_equal(r.moves[1].what, "sah");
     assert_int_equal(r.moves[2].verdict, BB_BETTER);
     assert_int_equal(r.moves[3].verdict, BB_CHANGED);
-    assert_true(strncmp(text, "# bvhbench compare: 2 figures are worse\n", 40) == 0);
+    assert_true(
+        strncmp(text, "# bvhbench compare: 2 figures are worse, 2 cells are missing\n", 61) == 0);
     assert_non_null(strstr(text, "\n## worse: 2\n"));
+    assert_true(r.sight_count > 0 && bb_compare_blind(&r, 0) == r.sight_count);
+    assert_int_equal(bb_compare_blind(&r, INFINITY), 0);
+    for (uint32_t i = 1; i < r.sight_count; i++)
+        assert_true(r.sights[i].least <= r.sights[i - 1].least);
     assert_null(strchr(text, '\033'));
     assert_non_null(strstr(text, "- odd\\|\\`key\\`?\\[31m\n"));
     bb_compare_free(&r);
@@ -527,6 +545,17 @@ static void files_are_compared(void **state)
     expect(1, "compare a.json sah.json --format github", " | sah | 97.3 | 99.25 | 1.020 |");
     expect(0, "compare a.json slow.json --threshold 60", "the 60.00 %: --threshold");
     expect(1, "compare a.json slow.json --threshold 40", "worse: 1");
+    write_document("gone.json", edit_gone, 2);
+    expect(1, "compare a.json gone.json", "1 cells are missing");
+    expect(0, "compare gone.json a.json", "nothing is worse");
+    write_document("many.json", edit_many_rounds, 1);
+    expect(0, "compare many.json many.json --detect 900", "could have shown a slowing by");
+    expect(1, "compare a.json slow.json --detect 1", "1 figures are worse");
+    const outcome *o = run("compare a.json b.json --detect 1");
+    if (o->exit_status != 2 || strstr(o->out, "nothing is worse") == NULL ||
+        strstr(o->err, "times could not have shown 1 %: take") == NULL)
+        fail_msg("exit %d: %s", o->exit_status, o->err);
+    refuses("", "compare a.json b.json --detect -1", "--detect");
     refuses("", "compare a.json", "give two: result files");
     refuses("", "compare a.json b.json a.json", "give two");
     refuses("", "compare a.json nothing.json", "nothing.json");

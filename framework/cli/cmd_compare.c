@@ -20,7 +20,7 @@ typedef struct inputs {
     uint32_t rounds, format;
     uint64_t seed;
     const char *out, *database;
-    double percent;
+    double percent, detect;
     bb_cell_set *sets[2];
     uint32_t counts[2];
     bb_history *history;
@@ -40,6 +40,9 @@ static const bb_cli_option options[] = {
      BB_INTO(inputs, database)},
     {"threshold", "PERCENT", "least change of a time that counts; default: measured by A/A",
      BB_INTO(inputs, percent), .high = 1000},
+    {"detect", "PERCENT",
+     "exit status 2, unless a slowing by this much would have been found in each cell",
+     BB_INTO(inputs, detect), .high = 1000},
     {"format", NULL, "github: Markdown for a comment", BB_INTO(inputs, format),
      .words = "text|github", .fallback = "text"},
     {"quiet", NULL, "with --run: do not show progress", BB_INTO(inputs, quiet), .with = "run"},
@@ -69,6 +72,20 @@ static bb_status check_compared(const bb_comparison_result *r)
                    r->unlike, r->faulty);
 }
 
+/* With --detect, a comparison that could not have seen such a slowing is none. */
+static bb_status check_sights(const inputs *in, const bb_comparison_result *r)
+{
+    const uint32_t blind = bb_compare_blind(r, in->detect / 100);
+    if (!(in->detect > 0) || (blind == 0 && r->sight_count > 0))
+        return BB_OK;
+    return bb_fail(BB_INVALID,
+                   "compare: blind: %u of %u times could not have shown %g %%: take more %s, or a "
+                   "quieter machine",
+                   r->sight_count > 0 ? blind : r->common,
+                   r->sight_count > 0 ? r->sight_count : r->common, in->detect,
+                   in->programs ? "--rounds" : "--repeats of run");
+}
+
 static bb_status report(inputs *in, const bb_floor *floor, int *exit_status)
 {
     bb_comparison_result result;
@@ -78,7 +95,10 @@ static bb_status report(inputs *in, const bb_floor *floor, int *exit_status)
         status = check_compared(&result);
     if (status == BB_OK)
         status = bb_report_compare(&result, in->format != 0, stdout);
-    *exit_status = result.worse > 0 ? BB_EXIT_WRONG : BB_EXIT_OK;
+    const bool worse = result.worse + result.missing > 0;
+    *exit_status = worse ? BB_EXIT_WRONG : BB_EXIT_OK;
+    if (status == BB_OK && !worse)
+        status = check_sights(in, &result);
     bb_compare_free(&result);
     return status;
 }
@@ -274,8 +294,10 @@ const bb_command bb_command_compare = {
         "10 % is\n"
         "assumed, and the output says so.\n"
         "SAH, nodes, tests per ray, bytes, wrong rays and status are compared exactly.\n"
-        "Exit status 1: a time, SAH, tests, bytes or wrong rays are worse, a cell fails now,\n"
-        "or its answers are not judged any more.",
+        "The least slowing that would have been found is printed over all and for the blindest "
+        "cells.\n"
+        "Exit status 1: a time, SAH, tests, bytes or wrong rays are worse, a cell fails now or is\n"
+        "missing, or its answers are not judged any more.",
     .options = options,
     .bytes = sizeof(inputs),
     .run = run,

@@ -199,6 +199,52 @@ static bb_status judge_time(bb_comparison_result *result, const timing *t, const
     return add_move(result, &move);
 }
 
+/* ---- what could have been seen ---- */
+
+static int blindest_first(const void *left, const void *right)
+{
+    const bb_sight *a = left, *b = right;
+    if (a->least != b->least)
+        return a->least > b->least ? -1 : 1;
+    return strcmp(a->cell->key, b->cell->key);
+}
+
+/* The three conditions of the rule, each by itself: the largest of what they need. */
+static double least_seen(const bb_comparison_result *result, const timing *t, double shift)
+{
+    const bb_effect *e = &t->effect;
+    const double interval = e->ratio / e->low; /* of an effect of 1, the interval is as wide */
+    if (!isfinite(e->low))
+        return INFINITY;
+    return fmax(fmax(result->floor.share, t->own), fmax(interval - 1, expm1(shift)));
+}
+
+static bb_status take_sights(bb_comparison_result *result, const timing *timings,
+                             const bb_family_row *rows, uint32_t count)
+{
+    double *shifts = calloc(count + 1, sizeof *shifts);
+    result->sights = calloc(count + 1, sizeof *result->sights);
+    bb_status status = shifts != NULL && result->sights != NULL
+                           ? bb_family_found(rows, count, result->pairs, BB_COMPARE_LEVEL, shifts)
+                           : bb_fail(BB_FAILED, "comparison: no memory");
+    for (uint32_t i = 0; i < count && status == BB_OK; i++)
+        if (!timings[i].before->reference && !timings[i].after->reference)
+            result->sights[result->sight_count++] =
+                (bb_sight){timings[i].before, least_seen(result, &timings[i], shifts[i])};
+    if (status == BB_OK)
+        qsort(result->sights, result->sight_count, sizeof *result->sights, blindest_first);
+    free(shifts);
+    return status;
+}
+
+uint32_t bb_compare_blind(const bb_comparison_result *result, double share)
+{
+    uint32_t blind = 0;
+    while (blind < result->sight_count && result->sights[blind].least > share)
+        blind++;
+    return blind;
+}
+
 static int rising(const void *a, const void *b)
 {
     double x = *(const double *)a, y = *(const double *)b;
@@ -226,6 +272,8 @@ static bb_status compare_times(bb_comparison_result *result, timing *timings, ui
         status = result->pairs ? bb_family_of_pairs(rows, count) : bb_family_of_runs(rows, count);
     for (uint32_t i = 0; i < count && status == BB_OK; i++)
         status = judge_time(result, &timings[i], &rows[i]);
+    if (status == BB_OK)
+        status = take_sights(result, timings, rows, count);
     result->timed = count;
     free(rows);
     return status;
@@ -247,6 +295,12 @@ static bb_status set_floor(bb_comparison_result *result, double threshold, const
         *floor = *known;
     else
         floor->share = NAN;
+    if (floor->share > BB_COMPARE_FLOOR_MOST)
+        return bb_fail(BB_INVALID,
+                       "comparison: a program differs from itself by %.0f %% here (%s): nothing "
+                       "can be told: measure on a quiet machine, with more --rounds or --repeats, "
+                       "or say what counts with --threshold",
+                       100 * floor->share, floor->from);
     if (isfinite(floor->share))
         return BB_OK;
     floor->share = BB_COMPARE_FLOOR_UNKNOWN;
@@ -261,6 +315,8 @@ static void count_only(bb_comparison_result *result)
     bb_side_place place = {0, 0};
     for (const char *key; (key = bb_side_next(a, &place)) != NULL;) {
         bool both = bb_side_find(b, key) != NULL;
+        const bb_measured *old = bb_side_find(a, key);
+        result->missing += !both && !old->reference && is_ok(old);
         result->common += both;
         result->only_before += !both;
         result->lacking += both && bb_side_lacks(a, key) + bb_side_lacks(b, key) > 0;
@@ -387,6 +443,7 @@ double bb_compare_typical(const bb_comparison_result *result)
 void bb_compare_free(bb_comparison_result *result)
 {
     free(result->moves);
+    free(result->sights);
     free(result->ratios);
     memset(result, 0, sizeof *result);
 }

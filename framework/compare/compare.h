@@ -13,6 +13,8 @@
 /* The least floor, and the floor if no A/A is known. */
 #define BB_COMPARE_FLOOR_LEAST 0.01
 #define BB_COMPARE_FLOOR_UNKNOWN 0.10
+/* Beyond this floor, nothing is compared. */
+#define BB_COMPARE_FLOOR_MOST 0.5
 
 /* One side of a comparison: one run, or one run of each pair, of which the first does not count.
  * All sets are sorted. */
@@ -73,6 +75,12 @@ typedef struct bb_change {
     bool counts; /* affects the exit status: not a reference */
 } bb_change;
 
+/* What the comparison could have seen of a cell. */
+typedef struct bb_sight {
+    const bb_measured *cell;
+    double least; /* the least slowing that the rule would have found, as a share; INFINITY: none */
+} bb_sight;
+
 typedef struct bb_comparison_result {
     bb_side before, after;
     bool pairs;
@@ -85,11 +93,14 @@ typedef struct bb_comparison_result {
     uint32_t faulty; /* common cells that are not ok on both sides */
     bool machines_differ, hosts_differ; /* if machines differ, no times are compared */
     uint32_t only_before, only_after;
+    uint32_t missing;   /* of only_before, those that count: they were ok and no reference */
     uint32_t lacking;   /* for pairs, common cells that some counting pair lacks */
     uint32_t one_sided; /* exact figures that only one side has */
     bb_change *moves;   /* worse, then better, then changed; each sorted by size */
     uint32_t move_count, move_capacity;
-    uint32_t worse; /* moves that are worse and count */
+    uint32_t worse;   /* moves that are worse and count */
+    bb_sight *sights; /* of cells that count and whose times were compared; the blindest first */
+    uint32_t sight_count;
     double *ratios; /* of the compared times, ascending */
     uint32_t ratio_count;
 } bb_comparison_result;
@@ -102,6 +113,9 @@ typedef struct bb_comparison_result {
 bb_status bb_compare(const bb_side *before, const bb_side *after, double threshold,
                      const bb_floor *floor, bb_comparison_result *result);
 void bb_compare_free(bb_comparison_result *result);
+
+/* Returns how many sights could not have shown a slowing by this share. */
+uint32_t bb_compare_blind(const bb_comparison_result *result, double share);
 
 /* Returns the median of the cells' ratios of times; NAN if there are none. */
 double bb_compare_typical(const bb_comparison_result *result);

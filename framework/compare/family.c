@@ -102,8 +102,9 @@ static void prepare_runs(row *r, const bb_family_row *from)
     draw_in(r, values, median(sorted, known));
 }
 
-/* Sets each row's scale, by which its mean is divided; 0 if all its values are the same. */
-static bb_status scale(row *rows, uint32_t count)
+/* Sets each row's scale, by which its mean is divided; 0 if all its values are the same. *usual:
+ * the median spread. */
+static bb_status scale(row *rows, uint32_t count, double *usual)
 {
     double *spreads = calloc(count + 1, sizeof *spreads);
     uint32_t known = 0;
@@ -112,9 +113,9 @@ static bb_status scale(row *rows, uint32_t count)
     for (uint32_t i = 0; i < count; i++)
         if (rows[i].count > 0)
             spreads[known++] = rows[i].spread;
-    double usual = median(spreads, known);
+    *usual = median(spreads, known);
     for (uint32_t i = 0; i < count; i++)
-        rows[i].scale = hypot(rows[i].spread, usual);
+        rows[i].scale = hypot(rows[i].spread, *usual);
     free(spreads);
     return BB_OK;
 }
@@ -256,25 +257,37 @@ static void step_through(bb_family_row *family, const row *rows, place *places, 
     set_p(family, rows, places, count, exchanges, pairs);
 }
 
+static void prepare(row *r, const bb_family_row *from, bool pairs)
+{
+    if (pairs)
+        prepare_pairs(r, from);
+    else
+        prepare_runs(r, from);
+}
+
+/* Prepares all rows; returns the number of exchanges to try. */
+static uint32_t prepare_all(row *rows, const bb_family_row *family, uint32_t count, bool pairs)
+{
+    uint32_t longest = 0;
+    for (uint32_t i = 0; i < count; i++) {
+        prepare(&rows[i], &family[i], pairs);
+        longest = rows[i].count > longest ? rows[i].count : longest;
+    }
+    return pairs && longest <= ALL_SIGNS ? 1u << longest : EXCHANGES;
+}
+
 static bb_status adjust(bb_family_row *family, uint32_t count, bool pairs)
 {
     bb_status status = BB_OK;
-    uint32_t longest = 0;
+    double usual;
     row *rows = calloc(count + 1, sizeof *rows);
     place *places = calloc(count + 1, sizeof *places);
     if (rows == NULL || places == NULL) {
         status = bb_fail(BB_FAILED, "comparison: no memory");
         goto out;
     }
-    for (uint32_t i = 0; i < count; i++) {
-        if (pairs)
-            prepare_pairs(&rows[i], &family[i]);
-        else
-            prepare_runs(&rows[i], &family[i]);
-        longest = rows[i].count > longest ? rows[i].count : longest;
-    }
-    status = scale(rows, count);
-    uint32_t exchanges = pairs && longest <= ALL_SIGNS ? 1u << longest : EXCHANGES;
+    const uint32_t exchanges = prepare_all(rows, family, count, pairs);
+    status = scale(rows, count, &usual);
     if (status == BB_OK)
         step_through(family, rows, places, count, exchanges, pairs);
 out:
@@ -291,4 +304,128 @@ bb_status bb_family_of_pairs(bb_family_row *rows, uint32_t count)
 bb_status bb_family_of_runs(bb_family_row *rows, uint32_t count)
 {
     return adjust(rows, count, false);
+}
+
+/* ---- the least slowing that would have been found ---- */
+
+/* All that a search for it needs. */
+typedef struct search {
+    bb_family_row *centred;
+    row *rows;
+    place *places;
+    double usual, level;
+    uint32_t exchanges, count;
+    bool pairs;
+    double *largest; /* for each exchange, the largest statistic of all rows */
+    float *signs;    /* of all exchanges for rows of the shape first, all; VALUES each */
+    uint32_t first, all;
+} search;
+
+static void centre(bb_samples *values)
+{
+    double sorted[BB_SAMPLES_MAX];
+    uint32_t known = 0;
+    for (uint32_t i = 0; i < values->count; i++)
+        if (isfinite(values->values[i]))
+            sorted[known++] = values->values[i];
+    const double middle = median(sorted, known);
+    for (uint32_t i = 0; i < values->count; i++)
+        values->values[i] -= middle;
+}
+
+static void find_largest(search *s)
+{
+    for (uint32_t i = 0; i < s->count; i++)
+        s->places[i] = (place){.row = i};
+    for (uint32_t e = 0; e < s->exchanges; e++) {
+        exchange_all(s->rows, s->places, s->count, e, s->pairs);
+        s->largest[e] = -INFINITY;
+        for (uint32_t i = 0; i < s->count; i++)
+            s->largest[e] = fmax(s->largest[e], s->places[i].exchanged);
+    }
+}
+
+/* The signs of all exchanges, kept as long as the shape stays. */
+static void take_signs(search *s, const row *r)
+{
+    if (r->first == s->first && r->count == s->all)
+        return;
+    s->first = r->first;
+    s->all = r->count;
+    for (uint32_t e = 0; e < s->exchanges; e++) {
+        float *sign = s->signs + (size_t)e * VALUES;
+        if (s->pairs)
+            signs_of_pairs(e, s->all, sign);
+        else
+            signs_of_runs(e, s->first, s->all, sign);
+    }
+}
+
+static bool finds(search *s, uint32_t i, double shift)
+{
+    bb_family_row shifted = s->centred[i];
+    row r;
+    bb_samples *moved = s->pairs ? &shifted.before : &shifted.after;
+    for (uint32_t k = 0; k < moved->count; k++)
+        moved->values[k] += shift;
+    prepare(&r, &shifted, s->pairs);
+    r.scale = hypot(r.spread, s->usual);
+    take_signs(s, &r);
+    const double t = statistic(&r, s->signs, s->pairs), slack = 1e-9;
+    uint32_t above = 0;
+    for (uint32_t e = 0; e < s->exchanges; e++)
+        above += fmax(s->largest[e], statistic(&r, s->signs + (size_t)e * VALUES, s->pairs)) >=
+                 t - slack;
+    return above <= s->level * s->exchanges;
+}
+
+/* Between a thousandth and ten times as slow, to a hundredth of itself. */
+static double least_found(search *s, uint32_t i)
+{
+    double low = log(1e-3), high = log(log(10)); /* logarithms of shifts */
+    if (!has_values(&s->rows[i], s->pairs) || !finds(s, i, exp(high)))
+        return INFINITY;
+    while (high - low > 0.01) {
+        const double middle = 0.5 * (low + high);
+        if (finds(s, i, exp(middle)))
+            high = middle;
+        else
+            low = middle;
+    }
+    return exp(high);
+}
+
+bb_status bb_family_found(const bb_family_row *rows, uint32_t count, bool pairs, double level,
+                          double *least)
+{
+    search s = {.count = count, .pairs = pairs, .level = level, .all = UINT32_MAX};
+    s.centred = malloc((count + 1) * sizeof *s.centred);
+    s.rows = calloc(count + 1, sizeof *s.rows);
+    s.places = calloc(count + 1, sizeof *s.places);
+    s.largest = calloc(EXCHANGES, sizeof *s.largest);
+    s.signs = calloc((size_t)EXCHANGES * VALUES, sizeof *s.signs);
+    bb_status status = BB_OK;
+    if (s.centred == NULL || s.rows == NULL || s.places == NULL || s.largest == NULL ||
+        s.signs == NULL)
+        status = bb_fail(BB_FAILED, "comparison: no memory");
+    if (status == BB_OK && count > 0) {
+        memcpy(s.centred, rows, count * sizeof *rows);
+        for (uint32_t i = 0; i < count; i++) {
+            centre(&s.centred[i].before);
+            if (!pairs)
+                centre(&s.centred[i].after);
+        }
+        s.exchanges = prepare_all(s.rows, s.centred, count, pairs);
+        status = scale(s.rows, count, &s.usual);
+    }
+    if (status == BB_OK)
+        find_largest(&s);
+    for (uint32_t i = 0; i < count && status == BB_OK; i++)
+        least[i] = least_found(&s, i);
+    free(s.centred);
+    free(s.rows);
+    free(s.places);
+    free(s.largest);
+    free(s.signs);
+    return status;
 }

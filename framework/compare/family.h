@@ -22,4 +22,10 @@ uint32_t bb_family_pairs_needed(double level);
 bb_status bb_family_of_pairs(bb_family_row *rows, uint32_t count);
 bb_status bb_family_of_runs(bb_family_row *rows, uint32_t count);
 
+/* For each row, the least slowing that the rule would have found had nothing else changed, as a
+ * logarithm: the rows are centred, this one's `after` (or its ratios) is shifted, and the p-value
+ * must be at most `level`. INFINITY: not even ten times as slow. BB_FAILED without memory. */
+bb_status bb_family_found(const bb_family_row *rows, uint32_t count, bool pairs, double level,
+                          double *least);
+
 #endif

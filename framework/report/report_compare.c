@@ -8,6 +8,7 @@
 enum {
     ROWS_MAX = 100, /* cells that are worse, better or changed */
     KEYS_MAX = 20,  /* cells on one side only */
+    SIGHTS_MAX = 5, /* blindest cells */
 };
 
 /* Writes both values with four digits, or with more if they would look equal. */
@@ -145,6 +146,37 @@ static void add_moves(bb_page *page, const bb_comparison_result *r, bb_change_ve
         bb_page_say(page, "and %u more", count - shown);
 }
 
+/* The least slowing that would have been found: over all, and of the blindest cells. */
+static const char *share_text(double share, char text[24])
+{
+    if (isfinite(share))
+        snprintf(text, 24, "by %.3g %%", 100 * share);
+    return isfinite(share) ? text : "of no size";
+}
+
+static void add_sights(bb_page *page, const bb_comparison_result *r)
+{
+    char brief[BB_CELL_KEY], texts[2][24];
+    if (r->sight_count == 0)
+        return;
+    bb_page_say(page,
+                "of the %u times that count, half could have shown a slowing %s, nine of ten one "
+                "%s; the blindest:",
+                r->sight_count, share_text(r->sights[r->sight_count / 2].least, texts[0]),
+                share_text(r->sights[r->sight_count / 10].least, texts[1]));
+    bb_page_grid(page, "");
+    bb_page_column(page, "cell", "", "", 0);
+    bb_page_column(page, "time", "", "", 0);
+    bb_page_column(page, "least found", "%", "", -1);
+    for (uint32_t i = 0; i < r->sight_count && i < SIGHTS_MAX; i++) {
+        bb_cell_key_short(r->sights[i].cell->key, brief);
+        bb_page_put_text(page, brief);
+        bb_page_put_text(page, r->sights[i].cell->time);
+        bb_page_put_figure(
+            page, (bb_estimate){.value = 100 * r->sights[i].least, .low = NAN, .high = NAN}, 0);
+    }
+}
+
 static void add_only(bb_page *page, const bb_side *in, const bb_side *other, uint32_t count)
 {
     uint32_t shown = 0;
@@ -166,9 +198,14 @@ static void add_only(bb_page *page, const bb_side *in, const bb_side *other, uin
 bb_status bb_report_compare(const bb_comparison_result *r, bool github, FILE *out)
 {
     bb_page *page;
-    char answer[80] = "nothing is worse", title[120];
+    char answer[80] = "nothing is worse", title[120], missing[40] = "";
+    if (r->missing > 0)
+        snprintf(missing, sizeof missing, "%u cells are missing", r->missing);
     if (r->worse > 0)
-        snprintf(answer, sizeof answer, "%u figures are worse", r->worse);
+        snprintf(answer, sizeof answer, "%u figures are worse%s%s", r->worse,
+                 r->missing > 0 ? ", " : "", missing);
+    else if (r->missing > 0)
+        snprintf(answer, sizeof answer, "%s", missing);
     snprintf(title, sizeof title, "bvhbench compare: %s", answer);
     BB_TRY(bb_page_create(title, &page));
     add_side(page, "before", &r->before);
@@ -178,8 +215,9 @@ bb_status bb_report_compare(const bb_comparison_result *r, bool github, FILE *ou
     add_gaps(page, r);
     for (int verdict = BB_WORSE; verdict <= BB_CHANGED; verdict++)
         add_moves(page, r, verdict);
+    add_sights(page, r);
     add_only(page, &r->before, &r->after, r->only_before);
     add_only(page, &r->after, &r->before, r->only_after);
-    bb_page_verdict(page, r->worse == 0, "%s", answer);
+    bb_page_verdict(page, r->worse + r->missing == 0, "%s", answer);
     return bb_page_end(page, github ? bb_page_markdown : bb_page_print, out);
 }
