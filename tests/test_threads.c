@@ -5,7 +5,7 @@
 #include "framework/base/limits.h"
 #include "framework/base/random.h"
 #include "framework/base/threads.h"
-#include "framework/bench/bystanders.h"
+#include "framework/device/bystanders.h"
 #include "tests/fixture.h"
 
 #include <math.h>

@@ -10,8 +10,8 @@
 #define BB_AUDIT_H
 
 #include "framework/base/progress.h"
-#include "framework/bench/bystanders.h"
 #include "framework/builder/instance.h"
+#include "framework/device/bystanders.h"
 #include "framework/table/table.h"
 
 #include <stdbool.h>

@@ -3,11 +3,11 @@
 #include "framework/base/clock.h"
 #include "framework/base/file.h"
 #include "framework/base/interrupt.h"
-#include "framework/bench/bystanders.h"
 #include "framework/cli/earlier.h"
 #include "framework/cli/out_option.h"
 #include "framework/compare/history.h"
 #include "framework/compare/prediction.h"
+#include "framework/device/bystanders.h"
 #include "framework/device/device_private.h"
 #include "framework/report/report.h"
 

@@ -1,4 +1,4 @@
-#include "framework/bench/bystanders.h"
+#include "framework/device/bystanders.h"
 
 #include "framework/base/clock.h"
 
