@@ -183,6 +183,7 @@ static void work_outside_the_clock_is_recorded(void **state)
         fail_msg("exit %d: %s", o->exit_status, o->err);
     assert_non_null(strstr(o->out, "Outside the clock: with each build, rogue:kind=early"));
     assert_null(strstr(o->out, "Fastest build"));
+    assert_non_null(strstr(run("report early --markdown")->out, " ! |"));
     cJSON *json = read_results("early/results.json");
     const cJSON *build = cJSON_GetArrayItem(cJSON_GetObjectItem(json, "builds"), 0);
     static const char *const outside[] = {"prepare_ms", "restore_ms", "outside_ms"};

@@ -34,7 +34,8 @@ typedef struct bb_head {
 typedef struct bb_item {
     const char *text; /* NULL: it is a number */
     bb_estimate figure;
-    char mark; /* '*': the best of its column; '~': not told from the best; 0: neither */
+    char
+        mark; /* '*': the best of its column; '~': not told from the best; '!': see the legend; 0 */
 } bb_item;
 
 typedef enum bb_plot_kind { BB_DRAW_BARS, BB_DRAW_LINES, BB_DRAW_SCATTER } bb_plot_kind;

@@ -300,7 +300,7 @@ static void mark_down_grid(const bb_block *block, FILE *out)
         const uint32_t column = k % block->head_count;
         fprintf(out, "%s%s", column == 0 ? "|\n| " : "| ", around);
         mark_down(text_of(figure, &block->heads[column], item), out);
-        fprintf(out, "%s ", item->mark == '~' ? " \\~" : around);
+        fprintf(out, "%s ", item->mark == '~' ? " \\~" : item->mark == '!' ? " !" : around);
     }
     fputc('|', out);
 }
