@@ -185,7 +185,7 @@ static void say_untimed(bb_summary *s)
             continue;
         const bool first = sentence == NULL;
         sentence = first ? begin(s, "Outside the clock") : sentence;
-        say(sentence, "%s%s %s its build", first ? "with each build, " : ", ", s->rows[i].name,
+        say(sentence, "%s%s works %s as long as its build", first ? "" : ", ", s->rows[i].name,
             times_text(s->rows[i].untimed, text));
     }
 }
