@@ -54,7 +54,7 @@ static void dies(const char *how, const char *options, const char *words, int de
     snprintf(arguments, sizeof arguments,
              "run --scene sphere-mesh:n=8,cube --builder lbvh,wreck:how=%s " SMALL "died %s", how,
              options);
-    const outcome *o = run(arguments);
+    const outcome *o = run_with("timeout 60", arguments);
     if (o->exit_status != 1 || strstr(o->err, words) == NULL ||
         strstr(o->err, "; beginning again without it\n") == NULL)
         fail_msg("%s: exit %d: %s", how, o->exit_status, o->err);
@@ -130,9 +130,10 @@ static void a_kernel_that_hangs_costs_its_cells(void **state)
         "0;) ;/' " BB_TEST_SOURCE_DIR "/kernels/short.cl >%s/kernels/short.cl",
         folder, folder);
     assert_int_equal(system(command), 0);
-    const outcome *o = run("run --scene cube --builder lbvh --kernel stack,short --rays primary "
-                           "--size 32x32 --repeats 1 --no-pictures --charts no --out hung "
-                           "--kernels-from kernels --patience 3");
+    const outcome *o =
+        run_with("timeout 120", "run --scene cube --builder lbvh --kernel stack,short --rays "
+                                "primary --size 32x32 --repeats 1 --no-pictures --charts no --out "
+                                "hung --kernels-from kernels --patience 3");
     if (o->exit_status != 1 || strstr(o->err, "short on lbvh died in ") == NULL)
         fail_msg("exit %d: %s", o->exit_status, o->err);
     const cJSON *trace;
