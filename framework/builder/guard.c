@@ -3,6 +3,7 @@
 #include "framework/base/clock.h"
 #include "framework/base/steering.h"
 
+#include <errno.h>
 #include <signal.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -197,14 +198,27 @@ static bool was_asked_to_end(int status)
     return false;
 }
 
-/* The child has a process group of its own, so that each signal reaches it once. */
+/* The child has a process group of its own, so that each signal reaches it once. To the terminal it
+ * is in the background then, and must not be stopped for writing to it. */
 static void be_child(pid_t parent, const sigset_t *mask)
 {
     setpgid(0, 0);
+    signal(SIGTTOU, SIG_IGN);
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent)
         _exit(1);
     sigprocmask(SIG_SETMASK, mask, NULL);
+}
+
+/* Without a guardian, which is said: a death ends the run then. */
+static void work_alone(void)
+{
+    fprintf(stderr,
+            "bvhbench: cannot start a process (%s): if a builder crashes, the run ends with it\n",
+            strerror(errno));
+    if (shared != MAP_FAILED)
+        munmap(shared, sizeof *shared);
+    shared = NULL;
 }
 
 void bb_guard_start(bool again, int exit_died, int exit_cannot)
@@ -215,7 +229,7 @@ void bb_guard_start(bool again, int exit_died, int exit_cannot)
         return;
     shared = mmap(NULL, sizeof *shared, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (shared == MAP_FAILED) {
-        shared = NULL;
+        work_alone();
         return;
     }
     shared->patience = (unsigned)atoi(BB_GUARD_PATIENCE);
@@ -234,7 +248,7 @@ void bb_guard_start(bool again, int exit_died, int exit_cannot)
             if (child == 0)
                 be_child(parent, &mask);
             else
-                munmap(shared, sizeof *shared), shared = NULL;
+                work_alone();
             sigprocmask(SIG_SETMASK, &mask, NULL);
             return;
         }
