@@ -154,7 +154,8 @@ struct bb_builder {
                         bb_phases *phases);
 
     /* Restores the input that build() destroys, before each build or update; not part of the
-     * build's time, but recorded. Optional. */
+     * build's time, but recorded. A builder that takes more than a tenth of its build for this and
+     * for phases outside is not ranked by its builds. Optional. */
     bb_status (*restore)(void *self, const bb_scene *scene);
 
     /* Describes the last build for the record, in one line without a newline. It adds to the
