@@ -37,6 +37,8 @@ static void the_least_of_all_groups_counts(void **state)
          "memory/a/memory.limit_in_bytes 5000\\nmemory/memory.limit_in_bytes 9223372036854771712\\n"
          "cpu,cpuacct/a/cpu.cfs_quota_us 400000\\ncpu,cpuacct/a/cpu.cfs_period_us 100000\\n",
          5000, 4},
+        {"4:cpuacct,cpu:/a\\n", "cpu/a/cpu.cfs_quota_us 100000\\ncpu/a/cpu.cfs_period_us 100000\\n",
+         INFINITY, 1},
         {"2:cpu:/\\n", "cpu/cpu.cfs_quota_us -1\\ncpu/cpu.cfs_period_us 100000\\n", INFINITY,
          INFINITY},
         /* the host's path is not there in the container */

@@ -4,6 +4,7 @@
 #include "framework/base/limits.h"
 
 #include <math.h>
+#include <pthread.h>
 #include <sched.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -100,9 +101,15 @@ bb_group_limits bb_group_limits_read(const char *groups, const char *folder)
         if (controllers[0] == '\0') {
             take_groups(&limits, folder, "", path);
             take_groups(&limits, folder, "unified", path);
-        } else if (lists(controllers, "memory") || lists(controllers, "cpu")) {
-            take_groups(&limits, folder, controllers, path);
+            continue;
         }
+        /* those that are mounted together have a link each, whatever the order of their list */
+        if (lists(controllers, "memory"))
+            take_groups(&limits, folder, "memory", path);
+        if (lists(controllers, "cpu"))
+            take_groups(&limits, folder, "cpu", path);
+        if (lists(controllers, "memory") || lists(controllers, "cpu"))
+            take_groups(&limits, folder, controllers, path);
     }
     if (file != NULL)
         fclose(file);
@@ -149,24 +156,27 @@ uint32_t bb_core_count(void)
     return cores >= 1 ? (uint32_t)cores : 1;
 }
 
-static uint64_t memory = UINT64_MAX;
-static const char *memory_by; /* NULL: not read yet */
+typedef struct memory {
+    uint64_t bytes;
+    const char *by;
+} memory;
+
+static memory limit;
+static pthread_once_t limit_once = PTHREAD_ONCE_INIT;
 
 static void lower(uint64_t bytes, const char *by)
 {
-    if (bytes >= memory)
-        return;
-    memory = bytes;
-    memory_by = by;
+    if (bytes < limit.bytes)
+        limit = (memory){bytes, by};
 }
 
 static void read_memory(void)
 {
     const long pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGESIZE);
     struct rlimit space;
-    memory_by = "the machine's memory";
+    limit = (memory){UINT64_MAX, "the machine's memory"};
     if (pages > 0 && size > 0)
-        lower((uint64_t)pages * (uint64_t)size, memory_by);
+        lower((uint64_t)pages * (uint64_t)size, limit.by);
     lower(group_limits().bytes, "the memory that a control group allows");
     lower(bb_slurm_bytes(), "the memory that Slurm allows");
     for (int i = 0; i < 2; i++)
@@ -177,13 +187,12 @@ static void read_memory(void)
 
 uint64_t bb_memory_limit(void)
 {
-    if (memory_by == NULL)
-        read_memory();
-    return memory;
+    pthread_once(&limit_once, read_memory);
+    return limit.bytes;
 }
 
 const char *bb_memory_limit_by(void)
 {
-    (void)bb_memory_limit();
-    return memory_by;
+    pthread_once(&limit_once, read_memory);
+    return limit.by;
 }

@@ -107,6 +107,7 @@ static bb_status trace_rays(bb_trace_set *set, bb_traced_cell *c, bb_timing *tim
     c->record.launches = 0;
     for (uint32_t from = 0, count; from < c->count; from += count) {
         count = c->count - from < c->batch ? c->count - from : c->batch;
+        bb_guard_alive();
         BB_TRY(bb_trace_load(set, from, count));
         BB_TRY(bb_pass_poison(&pass, count));
         bb_timing part;

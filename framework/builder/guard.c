@@ -15,7 +15,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { ROW = 512, WHO = 512, HOOK = 32, SCENE = 512, ENOUGH = 3 };
+enum { ROW = 512, WHO = 512, HOOK = 32, SCENE = 512, ENOUGH = 3, SUSPECTS = 3 };
 
 typedef struct death {
     char scene[SCENE], row[ROW], words[WHO + 256];
@@ -24,11 +24,11 @@ typedef struct death {
 /* Shared by guardian and guarded. The guardian reads the texts while the guarded process is in a
  * hook, or after its end, and writes deaths while there is none. */
 typedef struct page {
-    atomic_bool ended;    /* bb_guard_end() */
+    atomic_int ended;     /* by bb_guard_end(): 1 + the exit status */
     atomic_uint patience; /* seconds */
     _Atomic double since; /* a hook began, by bb_wall_ms(); 0: there is none */
     char scene[SCENE], row[ROW], who[WHO], hook[HOOK]; /* the last hook */
-    uint32_t death_count;
+    uint32_t death_count, suspects;                    /* suspects: deaths outside of hooks */
     death deaths[BB_DEATHS_MAX];
 } page;
 
@@ -41,10 +41,10 @@ static void note(char *to, size_t capacity, const char *text)
     snprintf(to, capacity, "%s", text);
 }
 
-void bb_guard_end(void)
+void bb_guard_end(int exit_status)
 {
     if (shared != NULL)
-        atomic_store(&shared->ended, true);
+        atomic_store(&shared->ended, 1 + exit_status);
 }
 
 void bb_guard_patience(uint32_t seconds)
@@ -62,6 +62,12 @@ void bb_guard_enter(bb_guarded whose, const char *who, const char *hook)
     note(shared->who, sizeof shared->who, who);
     note(shared->hook, sizeof shared->hook, hook);
     atomic_store(&shared->since, bb_wall_ms());
+}
+
+void bb_guard_alive(void)
+{
+    if (shared != NULL && atomic_load(&shared->since) > 0)
+        atomic_store(&shared->since, bb_wall_ms());
 }
 
 void bb_guard_leave(void)
@@ -113,14 +119,17 @@ static bool is_hung(void)
 /* Stops with its child, and goes on with it. */
 static void pause_with(pid_t child)
 {
-    kill(-child, SIGSTOP);
+    const double before = bb_wall_ms(), since = atomic_load(&shared->since);
+    kill(-child, SIGTSTP); /* a guardian in the group must pass it on, too */
     raise(SIGSTOP);
+    if (since > 0) /* a pause is no time of a hook */
+        atomic_store(&shared->since, since + (bb_wall_ms() - before));
     kill(-child, SIGCONT);
 }
 
 /* Waits for the end of the child, and passes signals on; returns whether it was killed because a
- * hook took too long. */
-static bool watch(pid_t child, const sigset_t *signals, int *status)
+ * hook took too long. *passed: the last signal that may end it. */
+static bool watch(pid_t child, const sigset_t *signals, int *status, int *passed)
 {
     const struct timespec second = {1, 0};
     bool hung = false;
@@ -129,8 +138,10 @@ static bool watch(pid_t child, const sigset_t *signals, int *status)
         const int caught = sigtimedwait(signals, &info, &second);
         if (caught == SIGTSTP)
             pause_with(child);
-        else if (caught > 0 && caught != SIGCHLD)
+        else if (caught > 0 && caught != SIGCHLD) {
+            *passed = caught;
             kill(child, caught);
+        }
         if (!hung && is_hung()) {
             hung = true;
             kill(child, SIGKILL);
@@ -152,9 +163,9 @@ static void describe_end(int status, bool hung, char *words, size_t capacity)
         snprintf(words, capacity, "it called exit(%d)", WEXITSTATUS(status));
 }
 
-/* Adds the death of the row whose hook was called; false: there is no such row, no room, or it has
- * died there before. */
-static bool add_death(const char *how)
+/* Adds the death of the row whose hook was called last; false: there is no such row, no room, or
+ * it has died there before. */
+static bool add_death(const char *verb, const char *how)
 {
     if (shared->row[0] == '\0' || shared->death_count == BB_DEATHS_MAX ||
         bb_guard_death((bb_guarded){shared->scene, shared->row}) != NULL)
@@ -162,7 +173,7 @@ static bool add_death(const char *how)
     death *d = &shared->deaths[shared->death_count++];
     note(d->scene, sizeof d->scene, shared->scene);
     note(d->row, sizeof d->row, shared->row);
-    snprintf(d->words, sizeof d->words, "%s died in %s(): %s", shared->who, shared->hook, how);
+    snprintf(d->words, sizeof d->words, "%s %s %s(): %s", shared->who, verb, shared->hook, how);
     bb_calm_text(d->words);
     return true;
 }
@@ -172,14 +183,19 @@ static bool mourn(int status, bool hung, bool again)
 {
     char how[128], line[2 * SCENE + WHO + 256];
     describe_end(status, hung, how, sizeof how);
-    if (!in_hook()) {
-        snprintf(line, sizeof line, "the program died: %s%s%s", how,
-                 shared->hook[0] != '\0' ? "; the last hook was of " : "", shared->who);
-        again = false;
+    const char *scene = shared->scene, *colon = scene[0] != '\0' ? ": " : "";
+    if (in_hook()) {
+        snprintf(line, sizeof line, "%s%s%s died in %s(): %s", scene, colon, shared->who,
+                 shared->hook, how);
+        again = again && add_death("died in", how);
+    } else if (shared->hook[0] != '\0') {
+        snprintf(line, sizeof line, "%s%sthe program died: %s; the last hook was %s() of %s", scene,
+                 colon, how, shared->hook, shared->who);
+        again = again && shared->suspects++ < SUSPECTS &&
+                add_death("is suspected: the program died after its", how);
     } else {
-        snprintf(line, sizeof line, "%s%s%s died in %s(): %s", shared->scene,
-                 shared->scene[0] != '\0' ? ": " : "", shared->who, shared->hook, how);
-        again = again && add_death(how);
+        snprintf(line, sizeof line, "the program died: %s", how);
+        again = false;
     }
     bb_calm_text(line);
     if (isatty(STDERR_FILENO))
@@ -188,14 +204,20 @@ static bool mourn(int status, bool hung, bool again)
     return again;
 }
 
-/* Whether a user or a reader that went away ended it. */
-static bool was_asked_to_end(int status)
+/* Whether a user, or a reader that went away, ended it. */
+static bool was_asked_to_end(int status, int passed)
 {
-    static const int by[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE};
-    for (size_t i = 0; WIFSIGNALED(status) && i < sizeof by / sizeof by[0]; i++)
-        if (WTERMSIG(status) == by[i])
-            return true;
-    return false;
+    return WIFSIGNALED(status) &&
+           (WTERMSIG(status) == passed || (WTERMSIG(status) == SIGPIPE && !in_hook()));
+}
+
+/* Returns the child's exit status. A library that exits in its place does not make it 0. */
+static int exit_status_of(int status, int exit_died)
+{
+    const int said = atomic_load(&shared->ended) - 1, is = WEXITSTATUS(status);
+    if (is != 0 || said != 0)
+        return is != 0 ? is : said;
+    return shared->death_count > 0 ? exit_died : 0;
 }
 
 /* The child has a process group of its own, so that each signal reaches it once. To the terminal it
@@ -233,15 +255,18 @@ void bb_guard_start(bool again, int exit_died, int exit_cannot)
         return;
     }
     shared->patience = (unsigned)atoi(BB_GUARD_PATIENCE);
+    struct sigaction stop;
     sigset_t signals, mask;
     sigemptyset(&signals);
     for (size_t i = 0; i < sizeof passed / sizeof passed[0]; i++)
-        sigaddset(&signals, passed[i]);
+        if (passed[i] != SIGTSTP || sigaction(SIGTSTP, NULL, &stop) != 0 ||
+            stop.sa_handler != SIG_IGN)
+            sigaddset(&signals, passed[i]);
     signal(SIGCHLD, SIG_DFL); /* an ignored signal would discard the status */
     sigprocmask(SIG_BLOCK, &signals, &mask);
     for (;;) {
         const pid_t parent = getpid();
-        int status = 0;
+        int status = 0, last = 0;
         fflush(NULL); /* the child would write buffered text again */
         const pid_t child = fork();
         if (child <= 0) {
@@ -253,15 +278,14 @@ void bb_guard_start(bool again, int exit_died, int exit_cannot)
             return;
         }
         setpgid(child, child);
-        const bool hung = watch(child, &signals, &status);
+        const bool hung = watch(child, &signals, &status, &last);
         kill(-child, SIGKILL); /* processes that it left */
-        if (WIFEXITED(status) && atomic_load(&shared->ended))
-            _exit(WEXITSTATUS(status) == 0 && shared->death_count > 0 ? exit_died
-                                                                      : WEXITSTATUS(status));
-        if (was_asked_to_end(status) && !hung)
+        if (WIFEXITED(status) && atomic_load(&shared->ended) > 0)
+            _exit(exit_status_of(status, exit_died));
+        if (was_asked_to_end(status, last) && !hung)
             end_by(WTERMSIG(status));
         if (!mourn(status, hung, again))
-            _exit(in_hook() && shared->row[0] == '\0' ? exit_cannot : exit_died);
+            _exit(again || (in_hook() && shared->row[0] == '\0') ? exit_cannot : exit_died);
         atomic_store(&shared->since, 0.0);
     }
 }

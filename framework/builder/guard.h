@@ -18,10 +18,10 @@
  * environment has BVHBENCH_GUARD=no, it returns unguarded. The process must not have other
  * threads. */
 void bb_guard_start(bool again, int exit_died, int exit_cannot);
-/* The work is done: from now on the process may end. */
-void bb_guard_end(void);
+/* The work is done: from now on the process may end, with this status. Safe in a signal handler. */
+void bb_guard_end(int exit_status);
 
-enum { BB_DEATHS_MAX = 32 };
+enum { BB_DEATHS_MAX = 256 };
 #define BB_GUARD_PATIENCE "600"
 
 /* The following calls do nothing in processes that are not guarded. */
@@ -37,6 +37,8 @@ typedef struct bb_guarded {
 
 /* A hook of `who` is about to be called. */
 void bb_guard_enter(bb_guarded whose, const char *who, const char *hook);
+/* A kernel is launched again within a hook: its patience begins anew. */
+void bb_guard_alive(void);
 /* It has returned. */
 void bb_guard_leave(void);
 /* Returns "WHO died in HOOK(): how" if the row has died at this scene, at none, or at three

@@ -30,7 +30,8 @@ const bb_cli_option bb_device_options[] = {
      .words = "auto|fence|levels", .fallback = "auto"},
     {.kind = BB_CLI_GROUP, .group = bb_plugin_options},
     {"patience", "S",
-     "seconds that a builder may take in one call, before it is ended and left out; 0: no limit",
+     "seconds that one call of a builder, or one launch of a kernel, may take before it is left "
+     "out; 0: no limit",
      BB_INTO(bb_device_choice, patience), .high = 1u << 30, .fallback = BB_GUARD_PATIENCE},
     {"kernels-from", "DIR", "folder whose files replace the built-in device code of the same names",
      BB_INTO(bb_device_choice, kernels_from)},

@@ -97,7 +97,7 @@ static bb_status flush_output(bb_status status)
 
 static int end(bb_status status, int exit_status)
 {
-    bb_guard_end();
+    bb_guard_end(status == BB_OK ? exit_status : BB_EXIT_CANNOT);
     if (flush_output(status) == BB_OK)
         return exit_status;
     fprintf(stderr, "bvhbench: %s\n", bb_message());

@@ -29,7 +29,7 @@ static void give_up(int signal_number)
         alarm(1 + (unsigned)(left / 1e3));
         return;
     }
-    bb_guard_end();
+    bb_guard_end(BB_EXIT_WRONG);
     for (size_t at = 0; at < length;) {
         ssize_t written = write(STDOUT_FILENO, words + at, length - at);
         if (written <= 0)

@@ -363,7 +363,7 @@ static void find_untimed(bb_summary_view *v)
     for (uint32_t e = 0; e < v->n->entrant_count; e++)
         for (uint32_t c = 0; c < v->n->scene_count; c++) {
             const bb_built *build = bb_built_of(v, e, c);
-            if (v->scenes[c] && build->ok)
+            if (v->scenes[c] && build->ok && build->untimed_ms > BB_UNTIMED_LEAST_MS)
                 v->untimed[e] = fmax(v->untimed[e], build->untimed_ms / build->build_ms);
         }
 }

@@ -216,7 +216,9 @@ const char *bb_get_named_text(const bb_entry *entry, bb_field_id field, const ch
 double bb_left_out_ms(const bb_entry *build)
 {
     const double ms = bb_get_number(build, BB_F_BUILD_UNTIMED);
-    return ms > BB_UNTIMED_MOST * bb_get_number(build, BB_F_BUILD_MS) ? ms : 0;
+    return ms > BB_UNTIMED_LEAST_MS && ms > BB_UNTIMED_MOST * bb_get_number(build, BB_F_BUILD_MS)
+               ? ms
+               : 0;
 }
 
 double bb_first_ray_ms(const bb_entry *build, const char *layout)

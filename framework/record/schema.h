@@ -125,9 +125,10 @@ const char *bb_get_named_text(const bb_entry *entry, bb_field_id field, const ch
  * transfer. NAN if the build or the layout was not measured. */
 double bb_first_ray_ms(const bb_entry *build, const char *layout);
 
-/* A builder that does more than this part of its build again outside the clock is never the
- * fastest. */
+/* A builder that does more than this part of its build again outside the clock, and more than the
+ * call of an empty hook takes, is never the fastest. */
 #define BB_UNTIMED_MOST 0.1
+#define BB_UNTIMED_LEAST_MS 0.02
 /* Returns what recurs with each build outside its clock, in ms, if it is more than that; else 0. */
 double bb_left_out_ms(const bb_entry *build);
 /* Copies the rounds. Returns false if there are none. */

@@ -103,7 +103,8 @@ function drawCurves(summary) {
     picture.append(curve);
   }
   picture.prepend(svg('clipPath', { id: 'curve-clip' }, svg('rect', { x: left, y: above, width: w - left - right, height: h - bottom - above + 3 })));
-  const first = own.filter(r => !r.reference && r.curve.some(v => v === Math.min(...own.filter(o => !o.reference).map(o => o.curve[r.curve.indexOf(v)]))));
+  const ranked = own.filter(r => !r.reference && !r.leaves_out);
+  const first = ranked.filter(r => r.curve.some(v => v === Math.min(...ranked.map(o => o.curve[r.curve.indexOf(v)]))));
   $('verdict-curves').replaceChildren(picture, el('div', { class: 'legend' }, ...own.map(row => {
     const chip = el('i', { 'aria-hidden': 'true' });
     chip.style.background = rowColour(row);

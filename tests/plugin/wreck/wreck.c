@@ -13,7 +13,8 @@
 static const bb_option options[] = {
     {"above", "100", NULL, "primitives from which on all goes wrong"},
     {"how", "right",
-     "right|crash|exit|exit0|overflow|beside|term|late|tire|hang|flood|wrong|refuse|fail|slow|big",
+     "right|crash|exit|exit0|overflow|beside|atexit|sigpipe|term|late|tire|hang|flood|wrong|"
+     "refuse|fail|slow|big",
      "what goes wrong"},
     {"at", "build", "create|prepare|restore|build|describe|decide|destroy",
      "in which hook; in others than build only crash, exit, exit0, overflow, beside and hang, in "
@@ -45,8 +46,19 @@ static void *abort_soon(void *none)
     return none;
 }
 
+static void leave(void)
+{
+    _exit(0);
+}
+
 static void die(const char *how)
 {
+    if (strcmp(how, "atexit") == 0)
+        atexit(leave);
+    if (strcmp(how, "sigpipe") == 0) {
+        signal(SIGPIPE, SIG_DFL);
+        raise(SIGPIPE);
+    }
     pthread_t thread;
     if (strcmp(how, "beside") == 0 && pthread_create(&thread, NULL, abort_soon, NULL) == 0)
         pthread_detach(thread);
