@@ -287,5 +287,6 @@ void bb_guard_start(bool again, int exit_died, int exit_cannot)
         if (!mourn(status, hung, again))
             _exit(again || (in_hook() && shared->row[0] == '\0') ? exit_cannot : exit_died);
         atomic_store(&shared->since, 0.0);
+        shared->hook[0] = '\0'; /* nobody has called one in the next child */
     }
 }

@@ -12,9 +12,10 @@
 
 /* Forks, and returns in the child, which works. The parent never returns: it passes on SIGINT,
  * SIGTERM, SIGHUP, SIGQUIT and SIGTSTP, and ends as the child does. If the child ends within a hook
- * or before bb_guard_end(), one line on standard error says so. After a death within a hook, and
- * with `again`, it forks once more, up to BB_DEATHS_MAX times. The exit status is not 0 then:
- * `exit_died`, or `exit_cannot` if nothing can go on without the dead. Without a fork, or if the
+ * or before bb_guard_end(), one line on standard error says so. With `again` it then forks once
+ * more, up to BB_DEATHS_MAX times, and the dead row stays out; after a death outside of hooks,
+ * three times at most, that is the row of the last hook. The exit status is not 0 then:
+ * `exit_died`, or `exit_cannot` if nothing was done. Without a fork, or if the
  * environment has BVHBENCH_GUARD=no, it returns unguarded. The process must not have other
  * threads. */
 void bb_guard_start(bool again, int exit_died, int exit_cannot);
@@ -24,25 +25,25 @@ void bb_guard_end(int exit_status);
 enum { BB_DEATHS_MAX = 256 };
 #define BB_GUARD_PATIENCE "600"
 
-/* The following calls do nothing in processes that are not guarded. */
-
-/* A hook takes at most so many seconds of wall time; 0: no limit. Before the first call it is
- * BB_GUARD_PATIENCE. */
-void bb_guard_patience(uint32_t seconds);
 /* Who may die. */
 typedef struct bb_guarded {
     const char *scene; /* on which it works; "": none */
     const char *row;   /* what would be missing: a builder's specification, a cell; "": all */
 } bb_guarded;
 
+/* The following calls do nothing in processes that are not guarded. */
+
+/* A hook takes at most so many seconds of wall time; 0: no limit. Before the first call it is
+ * BB_GUARD_PATIENCE. */
+void bb_guard_patience(uint32_t seconds);
 /* A hook of `who` is about to be called. */
 void bb_guard_enter(bb_guarded whose, const char *who, const char *hook);
-/* A kernel is launched again within a hook: its patience begins anew. */
-void bb_guard_alive(void);
-/* It has returned. */
+/* The hook has returned. */
 void bb_guard_leave(void);
-/* Returns "WHO died in HOOK(): how" if the row has died at this scene, at none, or at three
- * others, else NULL. The text stays until the process ends. */
+/* A kernel is launched once more between the two: its patience begins anew. */
+void bb_guard_alive(void);
+/* Returns how the row died, as "WHO died in HOOK(): how", if it did at this scene, at none, or at
+ * three others, else NULL. The text stays until the process ends. */
 const char *bb_guard_death(bb_guarded whose);
 
 #endif
