@@ -1,0 +1,200 @@
+/* Edits of made-up results, for the tests of `bvhbench compare`. */
+#ifndef BB_TEST_COMPARE_EDITS_H
+#define BB_TEST_COMPARE_EDITS_H
+
+#include "tests/history_sample.h"
+
+static const history_change nothing = {-1, -1, -1};
+
+typedef void edit_fn(bb_results *results);
+
+static inline bb_entry *trace_at(bb_results *results, int index)
+{
+    return entry_at(results, BB_TRACES, index);
+}
+
+static inline bb_entry *build_at(bb_results *results, int index)
+{
+    return entry_at(results, BB_BUILDS, index);
+}
+
+static inline void scale(bb_entry *entry, bb_field_id field, double factor)
+{
+    bb_put_number(entry, field, factor * bb_get_number(entry, field));
+}
+
+static inline void scale_metric(bb_results *results, bb_entry *build, const char *name,
+                                double factor)
+{
+    put_metric(results, build, name, factor * metric_of(build, name));
+}
+
+static inline void scale_ms(bb_entry *trace, double factor)
+{
+    bb_samples rounds;
+    assert_true(bb_get_samples(trace, BB_F_TRACE_MS, &rounds));
+    for (uint32_t i = 0; i < rounds.count; i++)
+        rounds.values[i] *= factor;
+    bb_put_rounds(trace, BB_F_TRACE_MS, &rounds);
+}
+
+/* Takes away all figures of a part of the entry. */
+static inline void clear_part(bb_entry *entry, bb_field_part part)
+{
+    for (int id = 0; id < BB_FIELDS; id++)
+        if (bb_fields[id].part == part)
+            bb_put_number(entry, (bb_field_id)id, (double)NAN);
+}
+
+static inline void set_context(bb_results *results, bb_field_id field, const char *text)
+{
+    ASSERT_OK(bb_results_set_text(results, field, text));
+}
+
+static inline void edit_nothing(bb_results *results)
+{
+    (void)results;
+}
+
+/* ---- edits ---- */
+
+static inline void edit_sah(bb_results *r)
+{
+    scale_metric(r, build_at(r, 3), "sah", 1.02);
+}
+static inline void edit_sah_better(bb_results *r)
+{
+    scale_metric(r, build_at(r, 3), "sah", 0.98);
+}
+static inline void edit_layout_sah(bb_results *r)
+{
+    scale(bb_results_part(r, build_at(r, 3), "pair:leaf=4"), BB_F_BUILD_LAYOUTS_SAH, 1 + 1e-12);
+}
+static inline void edit_nodes(bb_results *r)
+{
+    scale(build_at(r, 3), BB_F_TREE_NODES, 1.5);
+}
+static inline void edit_bytes(bb_results *r)
+{
+    bb_entry *build = build_at(r, 3);
+    bb_put_number(build, BB_F_TREE_BYTES_PEAK, bb_get_number(build, BB_F_TREE_BYTES_PEAK) + 1);
+}
+static inline void edit_tests(bb_results *r)
+{
+    scale(trace_at(r, 5), BB_F_TRACE_NODE_TESTS, 1.001);
+}
+static inline void edit_missed(bb_results *r)
+{
+    bb_put_number(trace_at(r, 0), BB_F_ACCURACY_MISSED, 1);
+}
+static inline void edit_failed(bb_results *r)
+{
+    bb_put_text(trace_at(r, 5), BB_F_TRACE_STATUS, "failed");
+}
+static inline void edit_slower(bb_results *r)
+{
+    scale_ms(trace_at(r, 5), 1.5);
+}
+static inline void edit_faster(bb_results *r)
+{
+    scale_ms(trace_at(r, 5), 0.5);
+}
+static inline void edit_slower_reference(bb_results *r)
+{
+    bb_entry *trace = trace_at(r, 0);
+    while (!bb_get_true(trace, BB_F_TRACE_REFERENCE))
+        trace = trace->next;
+    scale_ms(trace, 1.5);
+}
+static inline void edit_slower_elsewhere(bb_results *r)
+{
+    edit_slower(r);
+    set_context(r, BB_F_CONTEXT_DEVICE, "another device");
+}
+static inline void edit_slower_host(bb_results *r)
+{
+    edit_slower(r);
+    set_context(r, BB_F_CONTEXT_HOST, "there");
+}
+static inline void edit_rays(bb_results *r)
+{
+    bb_put_text(trace_at(r, 5), BB_F_TRACE_RAYS_HASH, "0123");
+    scale_ms(trace_at(r, 5), 1.5);
+    scale(trace_at(r, 5), BB_F_TRACE_NODE_TESTS, 1.5);
+}
+static inline void edit_cut_rounds(bb_results *r)
+{
+    edit_slower(r);
+    bb_samples rounds;
+    assert_true(bb_get_samples(trace_at(r, 5), BB_F_TRACE_MS, &rounds));
+    rounds.count--;
+    bb_put_rounds(trace_at(r, 5), BB_F_TRACE_MS, &rounds);
+}
+static inline void edit_gone(bb_results *r)
+{
+    leave_out_entry(r, trace_at(r, 5));
+}
+static inline void edit_twice(bb_results *r)
+{
+    bb_put_text(trace_at(r, 6), BB_F_TRACE_CELL, bb_get_text(trace_at(r, 5), BB_F_TRACE_CELL));
+}
+static inline void edit_seed(bb_results *r)
+{
+    set_context(r, BB_F_CONTEXT_SEED, "7");
+}
+static inline void edit_no_figure(bb_results *r)
+{
+    put_metric(r, build_at(r, 3), "sah", (double)NAN);
+}
+
+static inline void edit_no_tree(bb_results *r)
+{
+    bb_entry *build = build_at(r, 3);
+    clear_part(build, BB_IN_TREE);
+    for (uint32_t m = 0; m < bb_metric_count(); m++)
+        put_metric(r, build, bb_metrics[m]->name, (double)NAN);
+}
+static inline void edit_unjudged(bb_results *r)
+{
+    clear_part(trace_at(r, 5), BB_IN_ACCURACY);
+}
+static inline void edit_fewer_judged(bb_results *r)
+{
+    scale(trace_at(r, 5), BB_F_ACCURACY_CHECKED, 0.5);
+}
+static inline void edit_none_judged(bb_results *r)
+{
+    scale(trace_at(r, 5), BB_F_ACCURACY_CHECKED, 0);
+}
+static inline void put_in_all(bb_results *r, bb_section_id section, bb_field_id field,
+                              const char *text)
+{
+    for (bb_entry *entry = entry_at(r, section, 0); entry != NULL; entry = entry->next)
+        bb_put_text(entry, field, text);
+}
+
+static inline void edit_all_scenes(bb_results *r)
+{
+    put_in_all(r, BB_SCENES, BB_F_SCENE_HASH, "0123456789abcdef");
+}
+
+static inline void edit_all_failed(bb_results *r)
+{
+    put_in_all(r, BB_BUILDS, BB_F_BUILD_STATUS, "failed");
+    put_in_all(r, BB_TRACES, BB_F_TRACE_STATUS, "failed");
+}
+
+/* Each build has as many rounds as an interval needs, and more. */
+static inline void edit_many_rounds(bb_results *r)
+{
+    bb_each(build, bb_results_section(r, BB_BUILDS))
+    {
+        bb_samples rounds = {0};
+        for (int i = 0; i < 10; i++)
+            bb_samples_add(&rounds, 10 + 0.01 * i);
+        bb_put_rounds(&(bb_entry){.table = build->table, .row = build->row}, BB_F_BUILD_MS,
+                      &rounds);
+    }
+}
+
+#endif
