@@ -135,6 +135,10 @@ static void what_is_no_history_is_refused(void **state)
     execute(path, "PRAGMA user_version=3");
     refuses_to_open(path, "is of version 3, this program reads 4: name another file");
     assert_string_equal(ask(path, "SELECT count(*) FROM runs"), "1");
+    execute(path, "PRAGMA user_version=0; PRAGMA application_id=0"); /* as .dump leaves it */
+    refuses_to_open(path, "PRAGMA application_id=1112950850; PRAGMA user_version=4");
+    execute(path, "PRAGMA application_id=1112950850; PRAGMA user_version=4");
+    history_add(path, "b", "north", "2024-01-02T00:00:00Z", nothing, 2);
     path = history_path("foreign");
     execute(path, "CREATE TABLE bookmarks(url)");
     refuses_to_open(path, "another program's database");
@@ -146,6 +150,9 @@ static void what_is_no_history_is_refused(void **state)
     fclose(file);
     refuses_to_open(path, "not a database");
     refuses_to_open("/tmp", "unable to open");
+    refuses_to_open("", "history '' is not a file");
+    refuses_to_open(":memory:", "history ':memory:' is not a file");
+    refuses_to_open("file:runs?mode=memory", "is not a file");
 }
 
 /* Whatever could change what is appended: nothing is written into such a file. */

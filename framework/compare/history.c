@@ -90,51 +90,6 @@ static bb_status ask(bb_history *history, const char *sql, int64_t *value)
 
 /* ---- opening ---- */
 
-/* Refuses a file that is neither empty nor a history, so that no other database is changed. */
-static bb_status check_owner(bb_history *history, bool *empty)
-{
-    int64_t application, version, tables;
-    BB_TRY(ask(history, "PRAGMA application_id", &application));
-    BB_TRY(ask(history, "PRAGMA user_version", &version));
-    BB_TRY(ask(history, "SELECT count(*) FROM sqlite_master", &tables));
-    *empty = application == 0 && version == 0 && tables == 0;
-    if (*empty)
-        return BB_OK;
-    if (application != BB_HISTORY_APPLICATION)
-        return bb_fail(BB_INVALID, "history %s is another program's database: name another file",
-                       history->path);
-    if (version != BB_HISTORY_VERSION)
-        return bb_fail(BB_INVALID,
-                       "history %s is of version %lld, this program reads %d: name another file",
-                       history->path, (long long)version, BB_HISTORY_VERSION);
-    return BB_OK;
-}
-
-/* Makes the tables in an empty file. Another process may have made them meanwhile, so the file is
- * checked again once it is locked. */
-static bb_status make_tables(bb_history *history)
-{
-    char sql[128];
-    bool empty;
-    /* in one transaction: another process might make the tables meanwhile */
-    BB_TRY(bb_history_exec(history, "BEGIN", "read it"));
-    bb_status seen = check_owner(history, &empty);
-    (void)sqlite3_exec(history->db, "COMMIT", NULL, NULL, NULL);
-    if (seen != BB_OK || !empty)
-        return seen;
-    BB_TRY(bb_history_exec(history, "BEGIN IMMEDIATE", "write it"));
-    bb_status status = check_owner(history, &empty);
-    if (status == BB_OK && empty)
-        status = bb_history_exec(history, bb_history_tables, "make its tables");
-    snprintf(sql, sizeof sql, "PRAGMA application_id=%d; PRAGMA user_version=%d; COMMIT",
-             BB_HISTORY_APPLICATION, BB_HISTORY_VERSION);
-    if (status == BB_OK)
-        status = bb_history_exec(history, sql, "make its tables");
-    if (status != BB_OK)
-        (void)sqlite3_exec(history->db, "ROLLBACK", NULL, NULL, NULL);
-    return status;
-}
-
 /* What a database consists of, but for what SQLite keeps of its own. */
 static const char parts_of[] =
     "SELECT type, name, coalesce(sql, '') FROM sqlite_master"
@@ -185,6 +140,58 @@ static bb_status check_parts(bb_history *history)
     return status;
 }
 
+/* Refuses a file that is neither empty nor a history, so that no other database is changed. */
+static bb_status check_owner(bb_history *history, bool *empty)
+{
+    int64_t application, version, tables;
+    BB_TRY(ask(history, "PRAGMA application_id", &application));
+    BB_TRY(ask(history, "PRAGMA user_version", &version));
+    BB_TRY(ask(history, "SELECT count(*) FROM sqlite_master", &tables));
+    *empty = application == 0 && version == 0 && tables == 0;
+    if (*empty)
+        return BB_OK;
+    if (application == 0 && version == 0 && check_parts(history) == BB_OK)
+        return bb_fail(
+            BB_INVALID,
+            "history %s has the tables but not the marks, like what SQLite's .dump makes: "
+            "take .backup, or set them, if all is of version %d: PRAGMA "
+            "application_id=%d; PRAGMA user_version=%d",
+            history->path, BB_HISTORY_VERSION, BB_HISTORY_APPLICATION, BB_HISTORY_VERSION);
+    if (application != BB_HISTORY_APPLICATION)
+        return bb_fail(BB_INVALID, "history %s is another program's database: name another file",
+                       history->path);
+    if (version != BB_HISTORY_VERSION)
+        return bb_fail(BB_INVALID,
+                       "history %s is of version %lld, this program reads %d: name another file",
+                       history->path, (long long)version, BB_HISTORY_VERSION);
+    return BB_OK;
+}
+
+/* Makes the tables in an empty file. Another process may have made them meanwhile, so the file is
+ * checked again once it is locked. */
+static bb_status make_tables(bb_history *history)
+{
+    char sql[128];
+    bool empty;
+    /* in one transaction: another process might make the tables meanwhile */
+    BB_TRY(bb_history_exec(history, "BEGIN", "read it"));
+    bb_status seen = check_owner(history, &empty);
+    (void)sqlite3_exec(history->db, "COMMIT", NULL, NULL, NULL);
+    if (seen != BB_OK || !empty)
+        return seen;
+    BB_TRY(bb_history_exec(history, "BEGIN IMMEDIATE", "write it"));
+    bb_status status = check_owner(history, &empty);
+    if (status == BB_OK && empty)
+        status = bb_history_exec(history, bb_history_tables, "make its tables");
+    snprintf(sql, sizeof sql, "PRAGMA application_id=%d; PRAGMA user_version=%d; COMMIT",
+             BB_HISTORY_APPLICATION, BB_HISTORY_VERSION);
+    if (status == BB_OK)
+        status = bb_history_exec(history, sql, "make its tables");
+    if (status != BB_OK)
+        (void)sqlite3_exec(history->db, "ROLLBACK", NULL, NULL, NULL);
+    return status;
+}
+
 /* Refuses a damaged file. */
 static bb_status check_health(bb_history *history)
 {
@@ -215,6 +222,10 @@ static bb_status try_write(bb_history *history)
 bb_status bb_history_open(const char *path, bool create, bb_history **out)
 {
     *out = NULL;
+    /* what SQLite takes for memory, a file that it deletes, or options */
+    if (path[0] == '\0' || strcmp(path, ":memory:") == 0 || strncmp(path, "file:", 5) == 0)
+        return bb_fail(BB_INVALID, "history '%s' is not a file, which alone is kept: name one",
+                       path);
     bb_history *history = calloc(1, sizeof *history);
     if (history == NULL || (history->path = strdup(path)) == NULL) {
         free(history);
