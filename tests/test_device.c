@@ -1,4 +1,5 @@
 /* The device layer: shared structs, accounts and refusals, programs, edit-and-run. */
+#include "framework/base/limits.h"
 #include "kernels/bb_shared.h"
 #include "tests/device_fixture.h"
 
@@ -107,9 +108,17 @@ static void refuses_before_the_driver_is_asked(void **state)
     assert_non_null(strstr(bb_message(), "the thing"));
     assert_non_null(strstr(bb_message(), bytes));
     assert_null(buffer.mem);
-    uint64_t in_use = device->bytes;
-    device->bytes = device->global_bytes - 100;
-    assert_int_equal(bb_buffer_reserve(device, NULL, 101, "the thing", &buffer), BB_REFUSED);
+    const uint64_t in_use = device->bytes, global = device->global_bytes, all = bb_memory_limit();
+    const bool is_cpu = device->is_cpu;
+    for (int own = 0; own < 2; own++) { /* what bounds it: the device, or a limit of the process */
+        device->is_cpu = true;
+        device->global_bytes = all - (uint64_t)own;
+        device->bytes = device->global_bytes - 100;
+        assert_int_equal(bb_buffer_reserve(device, NULL, 101, "the thing", &buffer), BB_REFUSED);
+        assert_non_null(strstr(bb_message(), own ? device->name : bb_memory_limit_by()));
+    }
+    device->is_cpu = is_cpu;
+    device->global_bytes = global;
     device->bytes = in_use;
     void *host = NULL;
     assert_int_equal(bb_host_alloc(NULL, (size_t)1 << 62, "too much", &host), BB_REFUSED);

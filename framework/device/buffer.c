@@ -1,4 +1,5 @@
 /* Buffers of a device, booked on accounts; and its queue. */
+#include "framework/base/limits.h"
 #include "framework/device/cl_error.h"
 #include "framework/device/device_private.h"
 
@@ -42,6 +43,13 @@ static cl_mem create_buffer(bb_device *device, size_t bytes, cl_int *error)
     return mem;
 }
 
+/* What bounds the device's memory: its own size, or what this process may use. */
+static const char *bounded_by(const bb_device *device)
+{
+    const bool own = !device->is_cpu || device->global_bytes < bb_memory_limit();
+    return own ? device->name : bb_memory_limit_by();
+}
+
 bb_status bb_buffer_reserve(bb_device *device, bb_account *account, size_t bytes, const char *what,
                             bb_buffer *buffer)
 {
@@ -57,7 +65,7 @@ bb_status bb_buffer_reserve(bb_device *device, bb_account *account, size_t bytes
     if (bytes > device->global_bytes - device->bytes)
         return bb_fail(BB_REFUSED, "%s needs %zu bytes, %llu of the %llu of %s are in use", what,
                        bytes, (unsigned long long)device->bytes,
-                       (unsigned long long)device->global_bytes, device->name);
+                       (unsigned long long)device->global_bytes, bounded_by(device));
     cl_int error;
     cl_mem mem = create_buffer(device, bytes, &error);
     if (error != CL_SUCCESS)
