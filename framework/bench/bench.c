@@ -28,10 +28,18 @@ bb_step bb_bench_begin(const bb_bench *bench)
 
 bb_status bb_bench_end(bb_bench *bench, bb_step step, const char *name, bb_status status)
 {
-    double ms = bb_wall_ms() - step.start - (booked_ms(bench) - step.booked);
-    bench->steps_ms += ms;
-    bb_status added = bb_results_add_step(bench->results, name, ms);
+    const double end = bb_wall_ms(), ms = end - step.start - (booked_ms(bench) - step.booked);
+    bb_status added = bb_results_add_step(bench->results, name, ms + bench->booking_ms);
+    bench->booking_ms = bb_wall_ms() - end;
+    bench->steps_ms += ms + bench->booking_ms;
     return status != BB_OK ? status : added;
+}
+
+void bb_bench_show_progress(bb_bench *bench)
+{
+    bb_step step = bb_bench_begin(bench);
+    bb_progress_step(bench->progress);
+    (void)bb_bench_end(bench, step, "keep records", BB_OK);
 }
 
 bb_status bb_bench_tree(bb_bench *bench, bb_entrant *entrant)

@@ -107,14 +107,12 @@ static bb_status timed_build(bb_bench *bench, bb_entrant *entrant, bool exact)
     BB_TRY(bb_bench_tree(bench, entrant));
     bb_build_timing timing;
     bb_instance *instance = &entrant->resident->instance;
-    bb_step step = bb_bench_begin(bench);
     bb_account_mark(&instance->account);
     BB_TRY(bb_resident_build(&bench->residency, entrant->resident, exact, &timing));
     bb_residency_note(&bench->residency);
     bb_audit_build(&bench->outcome->audit, bench->scene->name, instance);
     if (!exact) {
         bench->outcome->times.build_ms += timing.timing.ms;
-        BB_TRY(bb_bench_end(bench, step, "prepare, restore, warm up", BB_OK));
         record_timing(bench, entrant, &timing);
     }
     if (bench->device->form == BB_FORM_GPU)
@@ -182,7 +180,6 @@ static bb_status measure_tree(bb_bench *bench, bb_entrant *entrant)
 {
     bb_build_record *record = &entrant->record;
     const bb_tree *tree = &entrant->resident->instance.tree;
-    bb_step step = bb_bench_begin(bench);
     BB_TRY(bb_resident_check(entrant->resident));
     record->has_tree = true;
     record->tree = tree->info;
@@ -192,7 +189,6 @@ static bb_status measure_tree(bb_bench *bench, bb_entrant *entrant)
     BB_TRY(bb_instance_describe(&entrant->resident->instance, bench->scene, record->about,
                                 sizeof record->about));
     BB_TRY(bb_instance_decisions(&entrant->resident->instance, bench->scene, &record->decisions));
-    BB_TRY(bb_bench_end(bench, step, "check trees, SAH", BB_OK));
     return bb_bench_owns_builds(bench) ? measure_metrics(bench, entrant, true) : BB_OK;
 }
 
@@ -222,7 +218,7 @@ static bb_status build_reference(bb_bench *bench, bb_entrant *entrant)
     snprintf(what, sizeof what, "build of %.100s by %.100s", bench->scene->name, entrant->text);
     double start = bb_wall_ms();
     BB_TRY(bb_embree_rebuild(entrant->embree, &ms));
-    bb_audit_outer(&bench->outcome->audit, what, ms, bb_wall_ms() - start);
+    bb_audit_outer(&bench->outcome->audit, what, ms, bb_wall_ms() - start, &entrant->late);
     bb_samples_add(&record->build_ms, ms);
     bench->outcome->times.build_ms += ms;
     record->bytes_native = (double)bb_embree_bytes(entrant->embree);
@@ -256,16 +252,14 @@ static bb_status finish_reference(bb_entrant *entrant)
 
 static bb_status build_once(bb_bench *bench, bb_entrant *entrant, bool exact)
 {
-    if (entrant->reference)
-        return exact ? BB_OK : build_reference(bench, entrant);
     /* the phases of a builder on the host are always exact */
-    if (exact && bb_pipeline_on_device(&entrant->pipeline) == 0)
+    if (exact && (entrant->reference || bb_pipeline_on_device(&entrant->pipeline) == 0))
         return BB_OK;
-    if (!exact)
-        return timed_build(bench, entrant, exact);
     bb_step step = bb_bench_begin(bench);
-    bb_status status = timed_build(bench, entrant, exact);
-    return bb_bench_end(bench, step, "builds for phase times", status);
+    bb_status status =
+        entrant->reference ? build_reference(bench, entrant) : timed_build(bench, entrant, exact);
+    return bb_bench_end(bench, step, exact ? "builds for phase times" : "prepare, restore, warm up",
+                        status);
 }
 
 static void finish_phases(bb_entrant *entrant)
@@ -378,7 +372,7 @@ static bb_status take_turn(void *self, uint32_t who, uint32_t round, double *ms)
     if (status != BB_OK)
         note_failure(entrant, status);
     if (!warming)
-        bb_progress_step(bench->progress);
+        bb_bench_show_progress(bench);
     return BB_OK;
 }
 
@@ -417,8 +411,10 @@ bb_status bb_bench_builds(bb_bench *bench)
         bb_entrant *entrant = &bench->entrants[i];
         if (entrant->record.status != BB_OK || bb_interrupted())
             continue;
+        bb_step step = bb_bench_begin(bench);
         bb_status status =
             entrant->reference ? finish_reference(entrant) : finish_builder(bench, entrant, own);
+        status = bb_bench_end(bench, step, "check trees, SAH", status);
         if (status != BB_OK)
             note_failure(entrant, status);
     }

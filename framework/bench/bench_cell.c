@@ -101,7 +101,6 @@ static bb_status trace_rays(bb_trace_set *set, bb_traced_cell *c, bb_timing *tim
 {
     bool reference = c->entrant->reference;
     *timing = (bb_timing){0};
-    bb_step step = bb_bench_begin(set->bench);
     const bb_pass pass = pass_of(set, c);
     uint64_t timed = 0, before = reference ? 0 : bb_tracer_launched(c->tracer);
     c->record.launches = 0;
@@ -130,17 +129,18 @@ static bb_status trace_rays(bb_trace_set *set, bb_traced_cell *c, bb_timing *tim
         bb_audit_launches(&set->bench->outcome->audit, what, timed,
                           bb_tracer_launched(c->tracer) - before, c->count);
     set->bench->outcome->times.trace_ms += timing->ms;
-    return bb_bench_end(set->bench, step, "poison and copy answers", BB_OK);
+    return BB_OK;
 }
 
 bb_status bb_trace_once(bb_trace_set *set, bb_traced_cell *c, bb_timing *timing)
 {
     if (!c->entrant->reference)
         BB_TRY(bb_bench_layout(set->bench, c->entrant, c->layout));
+    bb_step step = bb_bench_begin(set->bench);
     enter(&c->record, "trace");
     bb_status status = trace_rays(set, c, timing);
     bb_guard_leave();
-    return status;
+    return bb_bench_end(set->bench, step, "poison and copy answers", status);
 }
 
 /* ---- preparation and judgement ---- */
@@ -195,7 +195,6 @@ static bb_status make_tracer(bb_trace_set *set, bb_traced_cell *c)
     bb_bench *bench = set->bench;
     const bb_layout_data *layout = &c->entrant->resident->layouts[c->layout];
     bb_tracer_request request = tracer_request(set, c);
-    bb_step step = bb_bench_begin(bench);
     BB_TRY(bb_tracer_get(bench->device, &request, layout, &c->tracer));
     c->record.group_size = bb_tracer_group_size(c->tracer);
     c->record.stack_size = bb_tracer_stack_size(c->tracer);
@@ -208,8 +207,7 @@ static bb_status make_tracer(bb_trace_set *set, bb_traced_cell *c)
     uint32_t few = c->count < c->record.group_size ? c->count : c->record.group_size;
     const bb_pass pass = pass_of(set, c);
     BB_TRY(bb_pass_launch(&pass, few));
-    BB_TRY(bb_finish(bench->device));
-    return bb_bench_end(bench, step, "compile kernels", BB_OK);
+    return bb_finish(bench->device);
 }
 
 bb_status bb_trace_prepare(bb_trace_set *set, bb_traced_cell *c)
@@ -217,10 +215,11 @@ bb_status bb_trace_prepare(bb_trace_set *set, bb_traced_cell *c)
     if (c->entrant->reference)
         return BB_OK;
     BB_TRY(bb_bench_layout(set->bench, c->entrant, c->layout));
+    bb_step step = bb_bench_begin(set->bench);
     enter(&c->record, "compile");
     bb_status status = make_tracer(set, c);
     bb_guard_leave();
-    return status;
+    return bb_bench_end(set->bench, step, "compile kernels", status);
 }
 
 /* Judges set->results, unless the same answer was judged before. If a cell gives different answers,

@@ -47,6 +47,7 @@ typedef struct bb_entrant {
     bb_resident *resident;
     bb_embree *embree;          /* of a reference row, which owns it unless: */
     struct bb_entrant *tree_of; /* the reference that builds the same tree; NULL: none before it */
+    bool late;                  /* of a reference: bb_audit_outer() */
     bb_build_record record;
     bb_samples phase_samples[BB_RECORD_PHASES_MAX];
 } bb_entrant;
@@ -86,6 +87,8 @@ typedef struct bb_bench {
     bb_bench_outcome *outcome;
     double start;
     double steps_ms; /* booked so far */
+    double
+        booking_ms; /* of it, what booking the last step took: the results get it with the next */
     bb_buffer rays;
     bb_buffer answers; /* whatever the query */
     bb_counter counter;
@@ -101,8 +104,11 @@ typedef struct bb_step {
 
 bb_step bb_bench_begin(const bb_bench *bench);
 
-/* Books the step, also after a failure. Returns `status`. */
+/* Books the step, also after a failure, and what booking takes. Returns `status`. */
 bb_status bb_bench_end(bb_bench *bench, bb_step step, const char *name, bb_status status);
+
+/* Shows that a turn was taken. A terminal may keep it waiting, which is booked. */
+void bb_bench_show_progress(bb_bench *bench);
 
 /* Runs a scene from loading, unless it is bench->first, to pictures (bench_scene.c). */
 bb_status bb_bench_scene(bb_bench *bench, const char *name);

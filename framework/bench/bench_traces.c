@@ -132,7 +132,7 @@ static bb_status take_turn(void *self, uint32_t who, uint32_t round, double *ms)
     if (bb_interrupted())
         return BB_OK;
     if (!warming)
-        bb_progress_step(set->bench->progress);
+        bb_bench_show_progress(set->bench);
     if (c->record.status != BB_OK || (warming && c->entrant->reference))
         return BB_OK;
     bb_timing timing;

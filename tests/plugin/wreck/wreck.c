@@ -116,8 +116,10 @@ static bb_status go_wrong(wreck *self, const char *how, bb_tree *tree)
         kill(getpid(), SIGTERM);
     if (strcmp(how, "late") == 0 && ++builds > 5)
         abort();
-    if (strcmp(how, "tire") == 0 && ++builds > 5)
+    if (strcmp(how, "tire") == 0 && ++builds > 5) {
+        usleep(500000);
         return bb_fail(BB_FAILED, "wreck: it is tired, as told");
+    }
     if (strcmp(how, "flood") == 0)
         flood();
     if (strcmp(how, "refuse") == 0)
