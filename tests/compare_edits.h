@@ -142,6 +142,45 @@ static inline void edit_seed(bb_results *r)
 {
     set_context(r, BB_F_CONTEXT_SEED, "7");
 }
+static inline void edit_governor(bb_results *r)
+{
+    set_context(r, BB_F_CONTEXT_GOVERNOR, "powersave");
+}
+static inline void edit_no_governor(bb_results *r)
+{
+    set_context(r, BB_F_CONTEXT_GOVERNOR, "");
+}
+static inline void edit_smt(bb_results *r)
+{
+    set_context(r, BB_F_CONTEXT_SMT, "on");
+}
+static inline void edit_boost(bb_results *r)
+{
+    set_context(r, BB_F_CONTEXT_BOOST, "on");
+}
+static inline void edit_processors(bb_results *r)
+{
+    set_context(r, BB_F_CONTEXT_PROCESSORS, "0-1");
+}
+static inline void set_busy(bb_results *r, double processors)
+{
+    ASSERT_OK(bb_results_set_number(r, BB_F_CONTEXT_OTHERS, processors));
+}
+static inline void edit_faster_quiet(bb_results *r)
+{
+    edit_faster(r);
+    set_busy(r, 1); /* of 4: not more than a quarter */
+}
+static inline void edit_faster_busy(bb_results *r)
+{
+    edit_faster(r);
+    set_busy(r, 2);
+}
+static inline void edit_slower_busy(bb_results *r)
+{
+    edit_slower(r);
+    set_busy(r, 2);
+}
 static inline void edit_no_figure(bb_results *r)
 {
     put_metric(r, build_at(r, 3), "sah", (double)NAN);

@@ -42,6 +42,11 @@ static inline bb_results *history_run(const char *revision, const char *host, co
     ASSERT_OK(bb_results_set_text(results, BB_F_CONTEXT_DATE, date));
     ASSERT_OK(bb_results_set_text(results, BB_F_CONTEXT_CPU, "made up"));
     ASSERT_OK(bb_results_set_text(results, BB_F_CONTEXT_DEVICE_TYPE, "CPU"));
+    ASSERT_OK(bb_results_set_text(results, BB_F_CONTEXT_GOVERNOR, "performance"));
+    ASSERT_OK(bb_results_set_text(results, BB_F_CONTEXT_SMT, "off"));
+    ASSERT_OK(bb_results_set_text(results, BB_F_CONTEXT_BOOST, "off"));
+    ASSERT_OK(bb_results_set_text(results, BB_F_CONTEXT_PROCESSORS, "all"));
+    ASSERT_OK(bb_results_set_number(results, BB_F_CONTEXT_THREADS, 4));
     int index = 0;
     for (bb_entry *build = results->sections[BB_BUILDS].first; build != NULL; build = build->next) {
         char key[700];

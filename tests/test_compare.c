@@ -54,6 +54,14 @@ static void what_moved_and_what_is_worse(void **state)
         {edit_gone, 0, 0, "1 cells are in OLD only"},
         {edit_twice, 0, 0, "WARNING: 1 cells are left out: their keys occur twice"},
         {edit_seed, 0, 0, "another seed: 1234567890123456789, 7"},
+        {edit_governor, 0, 0, "WARNING: governor: performance, then powersave: times may differ"},
+        {edit_smt, 0, 0, "WARNING: SMT: off, then on: "},
+        {edit_boost, 0, 0, "WARNING: boost: off, then on: "},
+        {edit_processors, 0, 0, "WARNING: processors used: all, then 0-1: "},
+        {edit_faster_quiet, 0, 1, "\nbetter: 1\n"},
+        {edit_faster_busy, 0, 1, "\nless, but undecided: 1\n"},
+        {edit_faster_busy, 0, 1, "WARNING: the machine was busy: other programs kept 50 %"},
+        {edit_slower_busy, 1, 1, "WARNING: the machine was busy: "},
         {edit_no_figure, 0, 1, "1 figures are in one of the two only"},
         {edit_no_figure, 0, 1, "\nchanged: 1\n"},
         {edit_no_tree, 0, 10, "bytes_tree"},
@@ -70,6 +78,44 @@ static void what_moved_and_what_is_worse(void **state)
                      r.move_count, cases[i].worse, cases[i].moves, cases[i].words, text);
         assert_non_null(strstr(text, "10.00 %: assumed"));
         bb_compare_free(&r);
+    }
+}
+
+/* Nobody is warned of what one of the machines does not say, or of a machine that is quiet. */
+static void what_is_not_known_is_no_difference(void **state)
+{
+    (void)state;
+    static edit_fn *const edits[] = {edit_nothing, edit_no_governor, edit_faster_quiet};
+    static char text[1 << 20];
+    for (size_t i = 0; i < sizeof edits / sizeof edits[0]; i++) {
+        bb_comparison_result r = compare_with(edits[i], text, sizeof text, false);
+        assert_null(strstr(text, "differ by that alone"));
+        assert_null(strstr(text, "was busy"));
+        bb_compare_free(&r);
+    }
+}
+
+/* Whichever of the two was measured on a busy machine; pairs bear that. */
+static void only_runs_by_themselves_need_a_quiet_machine(void **state)
+{
+    (void)state;
+    for (int busy = 0; busy < 3; busy++) {
+        bb_cell_set sets[2][2];
+        bb_comparison_result result;
+        for (int k = 0; k < 4; k++) {
+            bb_results *r = history_run("one", "here", "2024-01-01T00:00:00Z", nothing, 1);
+            set_busy(r, k % 2 == busy ? 3 : 0);
+            ASSERT_OK(bb_cell_set_of_table(bb_results_table(r), "RUN", &sets[k % 2][k / 2]));
+            bb_results_destroy(r);
+        }
+        for (uint32_t count = 1; count <= 2; count++) {
+            ASSERT_OK(bb_compare(&(bb_side){sets[0], count}, &(bb_side){sets[1], count}, 0.1, NULL,
+                                 &result));
+            assert_int_equal(result.busy, count == 1 && busy < 2);
+            bb_compare_free(&result);
+        }
+        for (int k = 0; k < 4; k++)
+            bb_cell_set_free(&sets[k % 2][k / 2]);
     }
 }
 
@@ -294,6 +340,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_moved_and_what_is_worse),
+        cmocka_unit_test(what_is_not_known_is_no_difference),
+        cmocka_unit_test(only_runs_by_themselves_need_a_quiet_machine),
         cmocka_unit_test(cells_of_two_devices_do_not_meet),
         cmocka_unit_test(worst_comes_first_and_markdown_holds),
         cmocka_unit_test(any_pair_that_counts_decides),

@@ -73,6 +73,7 @@ static void what_is_appended_comes_back(void **state)
     bb_history_entry entry;
     bb_cell_set wanted, found;
     uint32_t others;
+    ASSERT_OK(bb_results_set_number(results, BB_F_CONTEXT_OTHERS, 3));
     ASSERT_OK(bb_cell_set_of_table(bb_results_table(results), "it", &wanted));
     ASSERT_OK(bb_history_open(path, true, &history));
     ASSERT_OK(bb_history_append(history, bb_results_table(results)));
@@ -102,6 +103,11 @@ static void what_is_appended_comes_back(void **state)
     assert_string_equal(found.origin.device, wanted.origin.device);
     assert_string_equal(found.origin.device_type, "CPU");
     assert_string_equal(found.origin.seed, "1234567890123456789");
+    assert_string_equal(found.origin.governor, "performance");
+    assert_string_equal(found.origin.smt, "off");
+    assert_string_equal(found.origin.boost, "off");
+    assert_string_equal(found.origin.processors, "all");
+    assert_true(found.origin.busy == 0.75);
     bb_history_close(history);
     bb_cell_set_free(&wanted);
     bb_cell_set_free(&found);
@@ -121,7 +127,7 @@ static void empty_files_become_histories(void **state)
     fclose(fopen(path, "w"));
     ASSERT_OK(bb_history_open(path, false, &history));
     bb_history_close(history);
-    assert_string_equal(ask(path, "PRAGMA user_version"), "4");
+    assert_string_equal(ask(path, "PRAGMA user_version"), "5");
     assert_string_equal(ask(path, "PRAGMA application_id"), "1112950850");
 }
 
@@ -130,14 +136,14 @@ static void what_is_no_history_is_refused(void **state)
     (void)state;
     const char *path = history_path("newer");
     history_add(path, "a", "north", "2024-01-01T00:00:00Z", nothing, 1);
-    execute(path, "PRAGMA user_version=5");
-    refuses_to_open(path, "is of version 5, this program reads 4: name another file");
-    execute(path, "PRAGMA user_version=3");
-    refuses_to_open(path, "is of version 3, this program reads 4: name another file");
+    execute(path, "PRAGMA user_version=6");
+    refuses_to_open(path, "is of version 6, this program reads 5: name another file");
+    execute(path, "PRAGMA user_version=4");
+    refuses_to_open(path, "is of version 4, this program reads 5: name another file");
     assert_string_equal(ask(path, "SELECT count(*) FROM runs"), "1");
     execute(path, "PRAGMA user_version=0; PRAGMA application_id=0"); /* as .dump leaves it */
-    refuses_to_open(path, "PRAGMA application_id=1112950850; PRAGMA user_version=4");
-    execute(path, "PRAGMA application_id=1112950850; PRAGMA user_version=4");
+    refuses_to_open(path, "PRAGMA application_id=1112950850; PRAGMA user_version=5");
+    execute(path, "PRAGMA application_id=1112950850; PRAGMA user_version=5");
     history_add(path, "b", "north", "2024-01-02T00:00:00Z", nothing, 2);
     path = history_path("foreign");
     execute(path, "CREATE TABLE bookmarks(url)");
@@ -405,7 +411,8 @@ static void an_entry_is_its_latest_run(void **state)
     history_add(path, "bbbb", "north", "2024-01-01T00:00:00Z", nothing, 1);
     history_add(path, "aaaa", "north", "2024-01-02T00:00:00Z", nothing, 2);
     history_add(path, "bbbb", "north", "2024-01-03T00:00:00Z", nothing, 3);
-    execute(path, "UPDATE runs SET interrupted = 1, seed = '5', shard = '1/2' WHERE id = 1;"
+    execute(path, "UPDATE runs SET interrupted = 1, seed = '5', shard = '1/2', busy = 0.5,"
+                  " boost = 'on' WHERE id = 1;"
                   "UPDATE runs SET seed = '7', embree = 'late' WHERE id = 3");
     ASSERT_OK(bb_history_open(path, false, &history));
     ASSERT_OK(bb_history_list(history, &entries, &count));
@@ -415,6 +422,8 @@ static void an_entry_is_its_latest_run(void **state)
     assert_string_equal(entries[0].origin.seed, "7");
     assert_string_equal(entries[0].origin.embree, "late");
     assert_string_equal(entries[0].origin.shard, "");
+    assert_string_equal(entries[0].origin.boost, "off");
+    assert_true(entries[0].origin.busy == 0.5); /* some of its cells may be of that run */
     assert_false(entries[0].origin.interrupted);
     assert_int_equal(entries[0].last, 3);
     assert_int_equal(entries[0].runs, 2);

@@ -1,6 +1,7 @@
 /* Limits of control groups, of both versions, as files have them; Slurm's; what the program makes
- * of affinity and ulimit. */
+ * of affinity and ulimit. How processors are run, as files have it. */
 #include "framework/base/limits.h"
+#include "framework/device/processors.h"
 #include "tests/program_fixture.h"
 
 #include <math.h>
@@ -87,12 +88,63 @@ static void the_program_keeps_to_them(void **state)
         fail_msg("%s", o->out);
 }
 
+static void how_processors_are_run(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *files, *mine, *governor, *smt, *boost, *list;
+    } cases[] = {
+        {"online 0-3\n", "0123", "", "", "", "all"}, /* a virtual machine */
+        {"online 0-3\n", "013", "", "", "", "0-1,3"},
+        {"online 0,2-3\nsmt/active 0\ncpufreq/boost 0\n", "023", "", "off", "off", "all"},
+        {"online 0-3\nsmt/active 1\nintel_pstate/no_turbo 0\n"
+         "cpu1/cpufreq/scaling_governor performance\ncpu2/cpufreq/scaling_governor powersave\n",
+         "1", "performance", "on", "on", "1"},
+        {"online 0-3\nintel_pstate/no_turbo 1\ncpu1/cpufreq/scaling_governor performance\n"
+         "cpu2/cpufreq/scaling_governor powersave\ncpu3/cpufreq/scaling_governor performance\n",
+         "123", "performance powersave", "", "off", "1-3"},
+        {"cpufreq/boost 1\n", "2", "", "", "on", "2"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char root[128];
+        bb_processors found;
+        cpu_set_t mine;
+        (void)read_groups("", cases[i].files);
+        snprintf(root, sizeof root, "%s/fs", folder);
+        CPU_ZERO(&mine);
+        for (const char *c = cases[i].mine; *c != '\0'; c++)
+            CPU_SET(*c - '0', &mine);
+        bb_processors_read(root, &mine, &found);
+        if (strcmp(found.governor, cases[i].governor) != 0 ||
+            strcmp(found.smt, cases[i].smt) != 0 || strcmp(found.boost, cases[i].boost) != 0 ||
+            strcmp(found.list, cases[i].list) != 0)
+            fail_msg("case %zu: '%s', '%s', '%s', '%s'", i, found.governor, found.smt, found.boost,
+                     found.list);
+    }
+}
+
+/* The context of a run has it. */
+static void a_run_says_where_it_may_run(void **state)
+{
+    (void)state;
+    const outcome *o =
+        run_with("taskset -c 0", "run --scene single --builder sah --rays none --quiet --repeats 1 "
+                                 "--no-pictures --charts no --out pinned");
+    if (o->exit_status != 0)
+        fail_msg("%s", o->err);
+    cJSON *json = read_results("pinned/results.json");
+    const cJSON *where = cJSON_GetObjectItem(cJSON_GetObjectItem(json, "context"), "processors");
+    const bool only = sysconf(_SC_NPROCESSORS_ONLN) == 1;
+    assert_string_equal(cJSON_GetStringValue(where), only ? "all" : "0");
+    cJSON_Delete(json);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_least_of_all_groups_counts),
-        cmocka_unit_test(slurm_tells_its_memory),
-        cmocka_unit_test(the_program_keeps_to_them),
+        cmocka_unit_test(the_least_of_all_groups_counts), cmocka_unit_test(slurm_tells_its_memory),
+        cmocka_unit_test(the_program_keeps_to_them),      cmocka_unit_test(how_processors_are_run),
+        cmocka_unit_test(a_run_says_where_it_may_run),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -141,7 +141,7 @@ void bb_warn_of_bystanders(bb_bystanders *watch, const bb_device *device, bb_pro
                          "what other programs do on %s cannot be seen: keep them off it; only "
                          "processors are watched, on which host code and transfers depend",
                          device->name);
-    if (bb_wall_ms() - watch->wall_ms > shortest_ms && share > 0.25 * (double)processors)
+    if (bb_wall_ms() - watch->wall_ms > shortest_ms && share > BB_BUSY_SHARE * (double)processors)
         bb_progress_note(progress,
                          "WARNING: the machine is busy: other programs keep %.2g of %ld processors "
                          "at work, and times will be noisy",

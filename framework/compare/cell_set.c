@@ -105,12 +105,20 @@ static void add_origin(const bb_table *from, uint32_t run, bb_origin *origin)
         {"embree_version", origin->embree, sizeof origin->embree},
         {"seed", origin->seed, sizeof origin->seed},
         {"shard", origin->shard, sizeof origin->shard},
+        {"governor", origin->governor, sizeof origin->governor},
+        {"smt", origin->smt, sizeof origin->smt},
+        {"boost", origin->boost, sizeof origin->boost},
+        {"processors", origin->processors, sizeof origin->processors},
     };
     const char *date = bb_table_get_text(from, run, "date");
     for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++)
         add_text(texts[i].to, texts[i].capacity, bb_table_get_text(from, run, texts[i].column));
     if (strcmp(date, origin->date) > 0)
         copy(origin->date, sizeof origin->date, date);
+    const double threads = bb_table_get_number(from, run, "cpu_threads");
+    const double busy = bb_table_get_number(from, run, "busy_processors") / threads;
+    if (threads > 0 && busy > origin->busy)
+        origin->busy = busy;
     if (strcmp(bb_table_get_text(from, run, "interrupted"), "yes") == 0)
         origin->interrupted = true;
 }

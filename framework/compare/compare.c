@@ -2,6 +2,7 @@
 
 #include "framework/compare/family.h"
 #include "framework/compare/figures.h"
+#include "framework/device/bystanders.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -195,7 +196,7 @@ static bb_status judge_time(bb_comparison_result *result, const timing *t, const
     move.to = t->to;
     move.effect = *e;
     move.p = p;
-    move.verdict = slower ? BB_WORSE : BB_BETTER;
+    move.verdict = slower ? BB_WORSE : result->busy ? BB_UNDECIDED : BB_BETTER;
     return add_move(result, &move);
 }
 
@@ -380,7 +381,7 @@ static double size_of(const bb_change *move)
                                                                   : INFINITY;
 }
 
-/* Sorts: worse and counting, worse references, better, changed. */
+/* Sorts: worse and counting, worse references, the other verdicts. */
 static int worst_first(const void *left, const void *right)
 {
     const bb_change *a = left, *b = right;
@@ -423,6 +424,7 @@ bb_status bb_compare(const bb_side *before, const bb_side *after, double thresho
                        a->what, a->device[0] != '\0' ? a->device : nameless, b->what,
                        b->device[0] != '\0' ? b->device : nameless);
     result->pairs = before->count > 1;
+    result->busy = !result->pairs && fmax(a->busy, b->busy) > BB_BUSY_SHARE;
     compare_machines(a, b, result);
     count_only(result);
     if (result->common == 0)

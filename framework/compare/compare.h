@@ -59,7 +59,8 @@ typedef struct bb_floor {
 typedef enum bb_change_verdict {
     BB_WORSE,
     BB_BETTER,
-    BB_CHANGED, /* an exact figure that is neither better nor worse */
+    BB_UNDECIDED, /* a time that is less, of two runs by themselves on a busy machine */
+    BB_CHANGED,   /* an exact figure that is neither better nor worse */
 } bb_change_verdict;
 
 /* A time or figure that moved. */
@@ -92,11 +93,12 @@ typedef struct bb_comparison_result {
     uint32_t unlike; /* common cells with other geometry or rays; they are not compared */
     uint32_t faulty; /* common cells that are not ok on both sides */
     bool machines_differ, hosts_differ; /* if machines differ, no times are compared */
+    bool busy;                          /* not in pairs, and other programs took much of one side */
     uint32_t only_before, only_after;
     uint32_t missing;   /* of only_before, those that count: they were ok and no reference */
     uint32_t lacking;   /* for pairs, common cells that some counting pair lacks */
     uint32_t one_sided; /* exact figures that only one side has */
-    bb_change *moves;   /* worse, then better, then changed; each sorted by size */
+    bb_change *moves;   /* in the order of their verdicts; each sorted by size */
     uint32_t move_count, move_capacity;
     uint32_t worse;   /* moves that are worse and count */
     bb_sight *sights; /* of cells that count and whose times were compared; the blindest first */

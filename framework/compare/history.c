@@ -279,11 +279,13 @@ static bb_status append_run(bb_history *history, const bb_origin *o, const about
     BB_TRY(bb_history_prepare(history,
                               "INSERT INTO runs(date, revision, version, host, cpu, device, driver,"
                               " opencl, embree, build_flags, kernels, seed, command, interrupted,"
-                              " shard, device_type) VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)",
+                              " shard, device_type, governor, smt, boost, processors, busy)"
+                              " VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)",
                               &statement));
-    bb_history_bind(statement, "tttttttttttttitt", o->date, o->revision, a->version, o->host,
+    bb_history_bind(statement, "tttttttttttttittttttd", o->date, o->revision, a->version, o->host,
                     o->cpu, o->device, o->driver, a->opencl, o->embree, a->flags, a->kernels,
-                    o->seed, a->command, (int64_t)o->interrupted, o->shard, o->device_type);
+                    o->seed, a->command, (int64_t)o->interrupted, o->shard, o->device_type,
+                    o->governor, o->smt, o->boost, o->processors, o->busy);
     bb_status status = bb_history_do(history, statement, "append to it");
     sqlite3_finalize(statement);
     *run = sqlite3_last_insert_rowid(history->db);

@@ -10,7 +10,8 @@
 
 #define MACHINE "host = ?1 AND cpu = ?2 AND device = ?3 AND driver = ?4"
 #define COLUMNS                                                                                    \
-    "date, revision, host, cpu, device, driver, embree, seed, shard, interrupted, device_type"
+    "date, revision, host, cpu, device, driver, embree, seed, shard, interrupted, device_type, "   \
+    "governor, smt, boost, processors"
 
 static void copy(char *to, size_t capacity, sqlite3_stmt *row, int column)
 {
@@ -32,6 +33,10 @@ static void read_origin(sqlite3_stmt *row, bb_origin *o)
     copy(o->shard, sizeof o->shard, row, 8);
     o->interrupted = sqlite3_column_int(row, 9) != 0;
     copy(o->device_type, sizeof o->device_type, row, 10);
+    copy(o->governor, sizeof o->governor, row, 11);
+    copy(o->smt, sizeof o->smt, row, 12);
+    copy(o->boost, sizeof o->boost, row, 13);
+    copy(o->processors, sizeof o->processors, row, 14);
 }
 
 static bb_status end(bb_history *history, sqlite3_stmt *statement, bb_status status, int code)
@@ -47,8 +52,9 @@ static bb_status end(bb_history *history, sqlite3_stmt *statement, bb_status sta
 bb_status bb_history_list(bb_history *history, bb_history_entry **entries, uint32_t *count)
 {
     static const char sql[] =
-        "SELECT " COLUMNS ", last, runs FROM runs JOIN (SELECT min(id) AS first, max(id) AS last,"
-        " count(*) AS runs FROM runs GROUP BY revision, host, cpu, device, driver) ON id = last"
+        "SELECT " COLUMNS ", busiest, last, runs FROM runs JOIN (SELECT min(id) AS first,"
+        " max(id) AS last, max(busy) AS busiest, count(*) AS runs FROM runs GROUP BY revision, "
+        "host, cpu, device, driver) ON id = last"
         " ORDER BY first";
     sqlite3_stmt *statement = NULL;
     bb_status status = BB_OK;
@@ -69,8 +75,9 @@ bb_status bb_history_list(bb_history *history, bb_history_entry **entries, uint3
         }
         bb_history_entry *entry = &(*entries)[(*count)++];
         read_origin(statement, &entry->origin);
-        entry->last = sqlite3_column_int64(statement, 11);
-        entry->runs = (uint32_t)sqlite3_column_int(statement, 12);
+        entry->origin.busy = sqlite3_column_double(statement, 15);
+        entry->last = sqlite3_column_int64(statement, 16);
+        entry->runs = (uint32_t)sqlite3_column_int(statement, 17);
     }
     return end(history, statement, status, code);
 }

@@ -3,7 +3,7 @@
 #define BB_HISTORY_SCHEMA_H
 
 enum {
-    BB_HISTORY_VERSION = 4,
+    BB_HISTORY_VERSION = 5,
     BB_HISTORY_APPLICATION = 0x42564842, /* "BVHB" */
 };
 

@@ -4,6 +4,9 @@
 
 #include <stdbool.h>
 
+/* A machine is busy if other programs keep more than this share of its processors at work. */
+#define BB_BUSY_SHARE 0.25
+
 typedef struct bb_bystanders {
     double wall_ms, all_ms, own_ms; /* at the start; all_ms counts all processors, NAN: unknown */
     bool warned;                    /* the user was warned of them */

@@ -16,6 +16,11 @@ RUN(VERSION, "version", "", TEXT, EXACT, AS_TEXT, 0, "Version", "The program's v
 RUN(HOST, "host", "", TEXT, EXACT, AS_TEXT, 0, "Host", "The machine's name.")
 RUN(CPU, "cpu", "", TEXT, EXACT, AS_TEXT, 0, "Processor", "The machine's processor.")
 RUN(THREADS, "cpu_threads", "", NUMBER, EXACT, AS_WHOLE, 0, "Threads", "Of the processor.")
+RUN(GOVERNOR, "governor", "", TEXT, EXACT, AS_TEXT, 0, "Governor", "Of the processors' clocks.")
+RUN(SMT, "smt", "", TEXT, EXACT, AS_TEXT, 0, "SMT", "on: a core runs several threads; or off.")
+RUN(BOOST, "boost", "", TEXT, EXACT, AS_TEXT, 0, "Boost", "Of the clocks: on or off.")
+RUN(PROCESSORS, "processors", "", TEXT, EXACT, AS_TEXT, 0, "Processors used",
+    "Those that the process may run on: a list, or all.")
 RUN(LOAD_1, "load_1", "", NUMBER, TIMED, AS_FIGURE, 2, "Load, 1 min", "Before the run.")
 RUN(LOAD_5, "load_5", "", NUMBER, TIMED, AS_FIGURE, 2, "Load, 5 min", "Before the run.")
 RUN(LOAD_15, "load_15", "", NUMBER, TIMED, AS_FIGURE, 2, "Load, 15 min", "Before the run.")

@@ -1,6 +1,7 @@
 #include "framework/device/run_row.h"
 
 #include "framework/device/device_private.h"
+#include "framework/device/processors.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -91,6 +92,19 @@ static void put_device(bb_table *table, uint32_t row, const bb_device *device)
     put_text(table, row, BB_RUN_KERNELS, device->sources);
 }
 
+static void put_processors(bb_table *table, uint32_t row)
+{
+    bb_processors is;
+    cpu_set_t mine;
+    if (sched_getaffinity(0, sizeof mine, &mine) != 0)
+        return;
+    bb_processors_read(BB_PROCESSORS_FOLDER, &mine, &is);
+    put_text(table, row, BB_RUN_GOVERNOR, is.governor);
+    put_text(table, row, BB_RUN_SMT, is.smt);
+    put_text(table, row, BB_RUN_BOOST, is.boost);
+    put_text(table, row, BB_RUN_PROCESSORS, is.list);
+}
+
 static void put_machine(bb_table *table, uint32_t row)
 {
     char name[256] = "";
@@ -102,6 +116,7 @@ static void put_machine(bb_table *table, uint32_t row)
     put_text(table, row, BB_RUN_CPU, name);
     if (count > 0)
         put_number(table, row, BB_RUN_THREADS, (double)count);
+    put_processors(table, row);
     if (getloadavg(load, 3) != 3)
         return;
     put_number(table, row, BB_RUN_LOAD_1, load[0]);

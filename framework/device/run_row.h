@@ -19,9 +19,10 @@ typedef enum bb_run_column {
 } bb_run_column;
 extern const bb_column bb_run_columns[BB_RUN_COLUMNS];
 
-/* Fills the row and returns it: date, revision, version, host, cpu, cpu_threads, the load of 1, 5
- * and 15 minutes; of the device (NULL: none) its name, type, driver, opencl, compute_units,
- * float_config, handover, litmus test and kernels; build_flags, seed and command line. */
+/* Fills the row and returns it: date, revision, version, host, cpu, cpu_threads, governor, smt,
+ * boost and processors (processors.h), the load of 1, 5 and 15 minutes; of the device (NULL: none)
+ * its name, type, driver, opencl, compute_units, float_config, handover, litmus test and kernels;
+ * build_flags, seed and command line. */
 uint32_t bb_run_row(bb_table *table, const bb_device *device, uint64_t seed, const char *command);
 
 #endif

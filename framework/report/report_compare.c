@@ -1,5 +1,6 @@
 #include "framework/report/report_compare.h"
 
+#include "framework/device/bystanders.h"
 #include "framework/table/page.h"
 
 #include <math.h>
@@ -56,14 +57,17 @@ static void add_rule(bb_page *page, const bb_comparison_result *r)
     bb_page_note(page, "the %.2f %%: %s", 100 * r->floor.share, r->floor.from);
 }
 
+typedef struct difference {
+    const char *name, *before, *after;
+} difference;
+
 static void add_differences(bb_page *page, const bb_comparison_result *r)
 {
     const bb_origin *a = &r->before.sets[0].origin, *b = &r->after.sets[0].origin;
-    const struct {
-        const char *name, *before, *after;
-    } members[] = {{"host", a->host, b->host},       {"processor", a->cpu, b->cpu},
-                   {"device", a->device, b->device}, {"driver", a->driver, b->driver},
-                   {"Embree", a->embree, b->embree}, {"seed", a->seed, b->seed}};
+    const difference members[] = {
+        {"host", a->host, b->host},       {"processor", a->cpu, b->cpu},
+        {"device", a->device, b->device}, {"driver", a->driver, b->driver},
+        {"Embree", a->embree, b->embree}, {"seed", a->seed, b->seed}};
     for (size_t i = 0; i < sizeof members / sizeof members[0]; i++)
         if (strcmp(members[i].before, members[i].after) != 0)
             bb_page_note(page, "another %s: %.200s, %.200s", members[i].name, members[i].before,
@@ -73,6 +77,34 @@ static void add_differences(bb_page *page, const bb_comparison_result *r)
     else if (r->hosts_differ)
         bb_page_note(page, "WARNING: other hosts: times are compared only because processor, "
                            "device and driver have the same names");
+}
+
+/* What a machine does not say is no difference. */
+static void add_processors(bb_page *page, const bb_comparison_result *r)
+{
+    const bb_origin *a = &r->before.sets[0].origin, *b = &r->after.sets[0].origin;
+    const difference terms[] = {{"governor", a->governor, b->governor},
+                                {"SMT", a->smt, b->smt},
+                                {"boost", a->boost, b->boost},
+                                {"processors used", a->processors, b->processors}};
+    for (size_t i = 0; i < sizeof terms / sizeof terms[0]; i++)
+        if (terms[i].before[0] != '\0' && terms[i].after[0] != '\0' &&
+            (strcmp(terms[i].before, terms[i].after) != 0 ||
+             strcmp(terms[i].before, BB_SEVERAL) == 0))
+            bb_page_note(page, "WARNING: %s: %.200s, then %.200s: times may differ by that alone",
+                         terms[i].name, terms[i].before, terms[i].after);
+}
+
+static void add_busy(bb_page *page, const bb_comparison_result *r)
+{
+    const bb_origin *sides[] = {&r->before.sets[0].origin, &r->after.sets[0].origin};
+    for (int i = 0; i < 2 && r->busy; i++)
+        if (sides[i]->busy > BB_BUSY_SHARE)
+            bb_page_note(page,
+                         "WARNING: the machine was busy: other programs kept %.0f %% of its "
+                         "processors at work while %s was measured: no time is called better, and "
+                         "what is worse may be so by that: run `compare --run`",
+                         100 * sides[i]->busy, sides[i]->what);
 }
 
 static void add_gaps(bb_page *page, const bb_comparison_result *r)
@@ -123,8 +155,10 @@ static void add_move(bb_page *page, const bb_change *m)
 
 static void add_moves(bb_page *page, const bb_comparison_result *r, bb_change_verdict verdict)
 {
-    static const char *const titles[] = {
-        [BB_WORSE] = "worse", [BB_BETTER] = "better", [BB_CHANGED] = "changed"};
+    static const char *const titles[] = {[BB_WORSE] = "worse",
+                                         [BB_BETTER] = "better",
+                                         [BB_UNDECIDED] = "less, but undecided",
+                                         [BB_CHANGED] = "changed"};
     static const char *const headings[] = {"cell", "figure", "before", "after", "ratio [95 %]"};
     uint32_t count = 0, shown = 0;
     char title[40];
@@ -212,6 +246,8 @@ bb_status bb_report_compare(const bb_comparison_result *r, bool github, FILE *ou
     add_side(page, "after ", &r->after);
     add_rule(page, r);
     add_differences(page, r);
+    add_processors(page, r);
+    add_busy(page, r);
     add_gaps(page, r);
     for (int verdict = BB_WORSE; verdict <= BB_CHANGED; verdict++)
         add_moves(page, r, verdict);

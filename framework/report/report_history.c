@@ -17,8 +17,10 @@ extern const char bb_text_style_css[], bb_text_chart_js[], bb_text_report_histor
 
 /* ---- a cell ---- */
 
-static const char *const verdicts[] = {
-    [BB_WORSE] = "worse", [BB_BETTER] = "better", [BB_CHANGED] = "changed"};
+static const char *const verdicts[] = {[BB_WORSE] = "worse",
+                                       [BB_BETTER] = "better",
+                                       [BB_UNDECIDED] = "undecided",
+                                       [BB_CHANGED] = "changed"};
 
 static void put_move(bb_json *json, uint32_t at, const bb_change *move)
 {
@@ -173,19 +175,19 @@ bb_status bb_report_history(const bb_trend *trends, uint32_t count, const char *
 static void add_revision(bb_page *page, const bb_trend *trend, uint32_t i)
 {
     const bb_comparison_result *step = &trend->steps[i];
-    uint32_t counts[5] = {trend->entries[i].runs, trend->sets[i].count};
+    uint32_t counts[6] = {trend->entries[i].runs, trend->sets[i].count};
     for (uint32_t m = 0; m < step->move_count; m++)
         counts[2 + step->moves[m].verdict]++;
     bb_page_put_text(page, trend->entries[i].origin.revision);
     bb_page_put_text(page, trend->entries[i].origin.date);
-    for (int k = 0; k < 5; k++)
+    for (int k = 0; k < 6; k++)
         bb_page_put_figure(page, (bb_estimate){counts[k], NAN, NAN, NAN, NAN}, 0);
 }
 
 bb_status bb_report_history_text(const bb_trend *trends, uint32_t count, FILE *out)
 {
-    static const char *const headings[] = {"revision", "date",   "runs",   "cells",
-                                           "worse",    "better", "changed"};
+    static const char *const headings[] = {"revision", "date",   "runs",      "cells",
+                                           "worse",    "better", "undecided", "changed"};
     bb_page *page;
     BB_TRY(bb_page_create("history", &page));
     for (uint32_t t = 0; t < count; t++) {
@@ -193,7 +195,7 @@ bb_status bb_report_history_text(const bb_trend *trends, uint32_t count, FILE *o
         char title[sizeof o->host + sizeof o->device + 2];
         snprintf(title, sizeof title, "%s, %s", o->host, o->device);
         bb_page_grid(page, title);
-        for (int k = 0; k < 7; k++)
+        for (int k = 0; k < 8; k++)
             bb_page_column(page, headings[k], "", "", 0);
         for (uint32_t i = trends[t].count; i-- > 0;)
             add_revision(page, &trends[t], i);

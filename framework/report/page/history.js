@@ -25,7 +25,7 @@ function spreadOf(point) {
 
 /* What moved last, and worst, comes first. */
 const latest = c => Math.max(-1, ...c.moves.map(m => m.at));
-const rank = m => ['worse', 'better', 'changed'].indexOf(m.verdict);
+const rank = m => ['worse', 'better', 'undecided', 'changed'].indexOf(m.verdict);
 
 function fillCells() {
   const words = $('filter').value.toLowerCase().split(/\s+/).filter(Boolean);

@@ -25,7 +25,7 @@ function head() {
   const entries = names => names.map(name => [schema.context[name].heading, name in texts ? texts[name] : c[name]]);
   contextList($('context'), entries(['date', 'revision', 'host', 'cpu', 'device', 'driver', 'opencl', 'seed']));
   contextList($('more-context').querySelector('dl'),
-              entries(['build_flags', 'kernels', 'compute_units', 'float_config', 'embree_version', 'load_1', 'load_5', 'load_15', 'command']));
+              entries(['build_flags', 'kernels', 'compute_units', 'float_config', 'embree_version', 'governor', 'smt', 'boost', 'processors', 'load_1', 'load_5', 'load_15', 'command']));
   (data.merged || []).forEach((m, i) => contextList($('more-context').querySelector('dl'), [
     [`Run ${i + 2}`, [m.date, m.revision, m.host, m.device].filter(Boolean).join(', ')],
     [`Command of run ${i + 2}`, m.command]]));
