@@ -20,6 +20,8 @@ typedef struct bb_prim_kind {
     /* The tight box, rounded outwards; the caller sets its pads. BB_INVALID for numbers that form
      * no primitive, or if no box of floats contains it. */
     bb_status (*bounds)(const bb_scene *scene, uint32_t i, bb_box *box);
+    /* Mirrors it along an axis, so that lo becomes hi. NULL for a mesh. */
+    void (*mirror)(bb_scene *scene, uint32_t i, int axis, float lo, float hi);
     /* The least magnitude, in scene units squared, that determines the sign of the device's test:
      * see bb_scene_choose_scale(). 0: none, or nothing can be hit. */
     double (*product)(const bb_scene *scene, uint32_t i);
@@ -58,12 +60,18 @@ typedef struct bb_prim_kind {
                          double to, bb_outline outlines[BB_OUTLINES_MAX]);
 } bb_prim_kind;
 
-/* All functions except extended(), which may be hits() itself, for files that name each function as
+/* All functions except mirror(), and extended(), which may be hits() itself, for files that name each function as
  * here. */
 #define BB_PRIM_FUNCTIONS                                                                          \
     .bounds = bounds, .product = product, .is_flat = is_flat, .area = area, .sample = sample,      \
     .normal = normal, .shrink = shrink, .reach = reach, .height = height, .hits = hits,            \
     .nearby = nearby, .pass = pass, .outlines = outlines
+
+/* Where mirroring moves a coordinate; one from lo to hi stays within them. */
+static inline float bb_mirrored(float x, float lo, float hi)
+{
+    return (float)((double)hi - (double)x + (double)lo);
+}
 
 /* Indexed by BB_TRIANGLE, BB_SPHERE, ... */
 extern const bb_prim_kind *const bb_prim_kinds[BB_KIND_COUNT];

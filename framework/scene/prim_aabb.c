@@ -246,10 +246,19 @@ static uint32_t outlines(const bb_scene *scene, uint32_t i, const bb_frame *fram
     return count;
 }
 
+static void mirror(bb_scene *scene, uint32_t i, int axis, float lo, float hi)
+{
+    float *from = &bb_scene_floats(scene, BB_AABB)[6 * (size_t)i + (size_t)axis];
+    const float first = from[0];
+    from[0] = bb_mirrored(from[3], lo, hi);
+    from[3] = bb_mirrored(first, lo, hi);
+}
+
 extern const bb_prim_kind bb_prim_aabb;
 const bb_prim_kind bb_prim_aabb = {
     .name = "box",
     .plural = "boxes",
     .extended = hits,
+    .mirror = mirror,
     BB_PRIM_FUNCTIONS,
 };

@@ -135,10 +135,17 @@ static uint32_t outlines(const bb_scene *scene, uint32_t i, const bb_frame *fram
     return 0;
 }
 
+static void mirror(bb_scene *scene, uint32_t i, int axis, float lo, float hi)
+{
+    float *at = &bb_scene_floats(scene, BB_SPHERE)[4 * (size_t)i + (size_t)axis];
+    *at = bb_mirrored(*at, lo, hi);
+}
+
 extern const bb_prim_kind bb_prim_sphere;
 const bb_prim_kind bb_prim_sphere = {
     .name = "sphere",
     .plural = "spheres",
     .extended = extended,
+    .mirror = mirror,
     BB_PRIM_FUNCTIONS,
 };

@@ -126,8 +126,9 @@ typedef struct bb_scene {
      * makes visible, in the order of the bricks, and the bounds are the whole volume's.
      */
     bb_volume *volume;
-    uint32_t *bricks;     /* of a volume: brick of each primitive */
-    struct bb_tets *tets; /* of tetrahedra: tets.h; NULL: there are none */
+    uint32_t *bricks;           /* of a volume: brick of each primitive */
+    struct bb_tets *tets;       /* of tetrahedra: tets.h; NULL: there are none */
+    struct bb_scene_seal *seal; /* hashes: bb_scene_seal(); NULL: not taken yet */
     bb_scene_device on_device;
     double load_ms;
 } bb_scene;

@@ -97,5 +97,6 @@ void bb_scene_free(bb_scene *scene)
     bb_host_free(scene->bricks);
     bb_volume_free(scene->volume);
     bb_tets_free(scene->tets);
+    bb_host_free(scene->seal);
     free(scene);
 }

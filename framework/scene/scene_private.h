@@ -32,6 +32,10 @@ void bb_scene_volume_bounds(const bb_scene *scene, bb_box *bounds);
 /* Returns the number of boxes that there is room for: for a volume, all of its bricks. */
 uint32_t bb_scene_box_room(const bb_scene *scene);
 
+/* Writes everything to the device, where bb_scene_upload() has made room, and recomputes the
+ * boxes. After a failure the scene is on no device. */
+bb_status bb_scene_fill(bb_scene *scene);
+
 /* Writes vertices and data of primitives to the device again, where bb_scene_upload() has made
  * room, and recomputes the boxes. Does nothing if the scene is on no device. */
 bb_status bb_scene_upload_again(bb_scene *scene);

@@ -1,6 +1,7 @@
 /* A scene's copy on the device. */
 #include "framework/scene/prim.h"
 #include "framework/scene/scene_private.h"
+#include "framework/scene/seal.h"
 #include "framework/scene/tets.h"
 
 enum { GROUP_SIZE = 64 };
@@ -140,17 +141,30 @@ bb_status bb_scene_upload(bb_scene *scene, bb_device *device)
         size_t bytes = parts[i].bytes > 0 ? (size_t)parts[i].bytes : sizeof(bb_box);
         BB_TRY(bb_buffer_reserve(device, &there->account, bytes, parts[i].what, parts[i].buffer));
     }
-    if (volume != NULL)
-        BB_TRY(write_bricks(scene));
-    if (scene->tets != NULL)
-        BB_TRY(write_tets(scene));
     there->device = device;
-    return fill(scene);
+    BB_TRY(bb_scene_fill(scene));
+    return bb_scene_seal(scene);
+}
+
+bb_status bb_scene_fill(bb_scene *scene)
+{
+    bb_status status = BB_OK;
+    if (scene->volume != NULL)
+        status = write_bricks(scene);
+    if (status == BB_OK && scene->tets != NULL)
+        status = write_tets(scene);
+    if (status == BB_OK)
+        return fill(scene);
+    scene->on_device.device = NULL;
+    return status;
 }
 
 bb_status bb_scene_upload_again(bb_scene *scene)
 {
-    return scene->on_device.device != NULL ? fill(scene) : BB_OK;
+    if (scene->on_device.device == NULL)
+        return BB_OK;
+    BB_TRY(fill(scene));
+    return bb_scene_seal(scene);
 }
 
 bb_status bb_scene_make_boxes(bb_scene *scene)
