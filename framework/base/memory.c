@@ -4,9 +4,11 @@
 
 #include "framework/base/limits.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 typedef struct header {
     uint64_t bytes;
@@ -88,9 +90,39 @@ void bb_host_free(void *pointer)
     free(head);
 }
 
-uint64_t bb_host_peak(void)
+static uint64_t peak_before_mark;
+
+uint64_t bb_host_peak_since_mark(void)
 {
     struct rusage usage;
     const uint64_t unit = 1024; /* Linux counts in KiB */
     return getrusage(RUSAGE_SELF, &usage) == 0 ? (uint64_t)usage.ru_maxrss * unit : 0;
+}
+
+uint64_t bb_host_peak(void)
+{
+    const uint64_t since = bb_host_peak_since_mark();
+    return since > peak_before_mark ? since : peak_before_mark;
+}
+
+void bb_host_mark_peak(void)
+{
+    peak_before_mark = bb_host_peak();
+    FILE *file = fopen("/proc/self/clear_refs", "w");
+    if (file == NULL)
+        return;
+    fputs("5", file); /* proc(5): resets the peak of what is resident */
+    fclose(file);
+}
+
+uint64_t bb_host_resident(void)
+{
+    unsigned long long pages = 0;
+    FILE *file = fopen("/proc/self/statm", "r");
+    if (file == NULL)
+        return 0;
+    if (fscanf(file, "%*u %llu", &pages) != 1)
+        pages = 0;
+    fclose(file);
+    return pages * (uint64_t)sysconf(_SC_PAGESIZE);
 }

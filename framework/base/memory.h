@@ -41,6 +41,19 @@ uint64_t bb_host_limit(void);
 /* Returns the most bytes the process has had in memory so far; 0 if unknown. */
 uint64_t bb_host_peak(void);
 
+/* Bytes that part of a program has added to the process's memory: now, and at most. */
+typedef struct bb_footprint {
+    int64_t now, peak;
+} bb_footprint;
+
+/* Starts anew what bb_host_peak_since_mark() returns: the most bytes that the process has had in
+ * memory since. Where Linux does not let it, the peak is that since the process began. */
+void bb_host_mark_peak(void);
+uint64_t bb_host_peak_since_mark(void);
+
+/* Returns the bytes that the process has in memory now, to some hundred KiB; 0 if unknown. */
+uint64_t bb_host_resident(void);
+
 #ifdef __cplusplus
 }
 #endif

@@ -14,6 +14,7 @@ enum {
     /* builds with exact phase boundaries; on a device they are extra builds, which do not count */
     PHASE_BUILDS = 3,
     METRIC_SAMPLES = 1000000,
+    UNBOOKED_LEAST = 32 << 20, /* bytes */
 };
 
 /* Adds the phases of a step. In a pipeline, the stage's name stands before the phase's. */
@@ -81,6 +82,15 @@ static bb_status check_tree(bb_bench *bench, bb_entrant *entrant)
     return bb_bench_end(bench, step, "check trees, SAH", bb_resident_check(entrant->resident));
 }
 
+/* Returns what its hooks have added to the process's memory beyond what is booked; 0 if that is
+ * less than allocators, drivers and huge pages may add. */
+static uint64_t unbooked(const bb_instance *instance)
+{
+    const int64_t booked = (int64_t)instance->account.peak;
+    const int64_t more = instance->footprint.peak - booked;
+    return more > UNBOOKED_LEAST && more > booked / 10 ? (uint64_t)more : 0;
+}
+
 static void record_timing(bb_bench *bench, bb_entrant *entrant, const bb_build_timing *timing)
 {
     bb_build_record *record = &entrant->record;
@@ -92,14 +102,16 @@ static void record_timing(bb_bench *bench, bb_entrant *entrant, const bb_build_t
     bb_samples_add(&record->restore_ms, timing->restore_ms);
     bb_samples_add(&record->outside_ms, timing->outside_ms);
     add_steps(entrant);
-    record->prepare_ms = bb_instance_prepare_ms(instance);
+    if (isnan(record->prepare_ms)) /* an unseen input may call for it again */
+        record->prepare_ms = bb_instance_prepare_ms(instance);
     bb_input_words(inputs, record->inputs, sizeof record->inputs);
     for (uint32_t i = 0; i < entrant->pipeline.count; i++)
         if (entrant->pipeline.stages[i].builder->place == BB_ON_DEVICE)
             strcpy(record->handover, bb_handover_word(bench->device));
     if ((inputs & BB_INPUT_BOXES) != 0)
         record->boxes_ms = bb_samples_median(&bench->boxes_ms);
-    record->bytes_peak = instance->account.peak;
+    record->bytes_unbooked = unbooked(instance);
+    record->bytes_peak = instance->account.peak + record->bytes_unbooked;
 }
 
 static bb_status timed_build(bb_bench *bench, bb_entrant *entrant, bool exact)
@@ -192,8 +204,7 @@ static bb_status measure_tree(bb_bench *bench, bb_entrant *entrant)
     return bb_bench_owns_builds(bench) ? measure_metrics(bench, entrant, true) : BB_OK;
 }
 
-/* Records a failure, unless it failed because the run was interrupted. */
-static void note_failure(bb_entrant *entrant, bb_status status)
+void bb_bench_note_failure(bb_entrant *entrant, bb_status status)
 {
     if (bb_interrupted())
         return;
@@ -370,7 +381,7 @@ static bb_status take_turn(void *self, uint32_t who, uint32_t round, double *ms)
     bb_status status = warming ? warm_once(bench, entrant, ms)
                                : build_once(bench, entrant, round >= rounds->plain);
     if (status != BB_OK)
-        note_failure(entrant, status);
+        bb_bench_note_failure(entrant, status);
     if (!warming)
         bb_bench_show_progress(bench);
     return BB_OK;
@@ -402,8 +413,13 @@ bb_status bb_bench_builds(bb_bench *bench)
                       .self = &self,
                       .turn = take_turn};
     BB_TRY(bb_turns_warm_up(&turns, bench->progress, bench->scene->name, "builds"));
-    for (uint32_t round = 0; round < rounds + phase_builds && !bb_interrupted(); round++)
+    const uint32_t unseen = bb_bench_draw_unseen(bench, bench->request->lean ? 0 : rounds);
+    for (uint32_t round = 0; round < rounds + phase_builds && !bb_interrupted(); round++) {
+        if (round == unseen)
+            BB_TRY(bb_bench_unseen_round(bench));
         BB_TRY(bb_turns_round(&turns, round));
+    }
+    BB_TRY(bb_bench_judge_unseen(bench));
     for (uint32_t i = 0; i < bench->entrant_count; i++)
         if (bench->entrants[i].tree_of != NULL)
             share_reference(&bench->entrants[i]);
@@ -416,7 +432,7 @@ bb_status bb_bench_builds(bb_bench *bench)
             entrant->reference ? finish_reference(entrant) : finish_builder(bench, entrant, own);
         status = bb_bench_end(bench, step, "check trees, SAH", status);
         if (status != BB_OK)
-            note_failure(entrant, status);
+            bb_bench_note_failure(entrant, status);
     }
     for (uint32_t i = 0; i < bench->entrant_count && !own && !bb_interrupted(); i++)
         forget_times(&bench->entrants[i].record);

@@ -14,6 +14,7 @@
 #include "framework/judge/embree.h"
 #include "framework/judge/judge.h"
 #include "framework/judge/rays.h"
+#include "framework/scene/disguise.h"
 #include "framework/workload/workload.h"
 #include "traversal/traversal.h"
 
@@ -82,6 +83,8 @@ typedef struct bb_bench {
     uint32_t traced_sets; /* of it */
     bb_samples boxes_ms;  /* of it */
     bb_random random;     /* of the orders of rounds */
+    bb_random unseen;     /* of disguises: another one in each run */
+    bb_disguise disguise; /* of the current scene */
     bb_progress *progress;
     uint32_t batch; /* rays per launch */
     bb_bench_outcome *outcome;
@@ -115,6 +118,23 @@ bb_status bb_bench_scene(bb_bench *bench, const char *name);
 
 /* Measures the builds of all entrants, interleaved, and fills their records. */
 bb_status bb_bench_builds(bb_bench *bench);
+
+/* Records a failure, unless it failed because the run was interrupted. */
+void bb_bench_note_failure(bb_entrant *entrant, bb_status status);
+
+/* ---- inputs that no builder has seen (bench_unseen.c) ---- */
+
+/* Draws the round before which all builders build such an input; BB_NONE: there are too few. */
+uint32_t bb_bench_draw_unseen(bb_bench *bench, uint32_t rounds);
+
+/* Has each builder build the disguised scene once, timed and checked. Whoever gives a wrong tree
+ * fails. The trees are then those of the disguised scene: another round must follow. */
+bb_status bb_bench_unseen_round(bb_bench *bench);
+
+/* After all rounds: tries again whoever took more than 1.5 times its median then. It fails
+ * ("remembers inputs") if each of four such inputs took it more than 1.5 times its slowest other
+ * build. */
+bb_status bb_bench_judge_unseen(bb_bench *bench);
 
 /* ---- what was asked for (bench_request.c) ---- */
 

@@ -242,6 +242,7 @@ static void end_scene(bb_bench *bench)
     free(bench->entrants);
     bench->entrants = NULL;
     bench->entrant_count = 0;
+    bb_disguise_end(&bench->disguise);
     if (bench->oracle != bench->request->oracle)
         bb_oracle_destroy(bench->oracle);
     bench->oracle = NULL;

@@ -1,6 +1,7 @@
 /* The life of an instance, and the part of the scene that each stage sees. */
 #include "framework/builder/instance_private.h"
 
+#include "framework/builder/guard.h"
 #include "framework/device/device_private.h"
 
 #include <math.h>
@@ -45,11 +46,10 @@ static bb_status create_stage(bb_instance *instance, uint32_t i, uint64_t seed)
     /* copies between stages are booked on the pipeline, not on the harness */
     stage->own.copy_account = &instance->account;
     const uint64_t before = instance->account.bytes;
-    bb_terms terms;
-    bb_terms_take(&terms);
-    bb_guard_enter(bb_instance_guarded(instance), parsed->label, "create");
-    bb_status status = stage->builder->create(&stage->context, &stage->self);
-    status = bb_terms_check(&terms, parsed->label, "create", status);
+    bb_hook hook;
+    bb_stage_begin(instance, i, "create", NULL, &hook);
+    const bb_status status =
+        bb_hook_end(&hook, stage->builder->create(&stage->context, &stage->self));
     stage->bytes = instance->account.bytes - before;
     return status;
 }
@@ -67,7 +67,7 @@ bb_status bb_instance_create(bb_device *device, const char *text, const bb_scene
     memset(instance, 0, sizeof *instance);
     bb_status status = bb_pipeline_parse(text, &instance->pipeline);
     snprintf(instance->scene, sizeof instance->scene, "%s", scene != NULL ? scene->name : "");
-    const char *death = bb_guard_death(bb_instance_guarded(instance));
+    const char *death = bb_guard_death((bb_guarded){instance->scene, instance->pipeline.text});
     if (status == BB_OK && death != NULL)
         status = bb_fail(BB_FAILED, "%s", death);
     if (status == BB_OK && scene != NULL)
@@ -100,13 +100,11 @@ void bb_instance_destroy(bb_instance *instance)
 {
     for (uint32_t i = 0; i < instance->pipeline.count; i++) {
         bb_stage *stage = &instance->stages[i];
-        bb_terms terms;
-        bb_terms_take(&terms);
-        bb_guard_enter(bb_instance_guarded(instance), instance->pipeline.stages[i].label,
-                       "destroy");
+        bb_hook hook;
+        bb_stage_begin(instance, i, "destroy", NULL, &hook);
         if (stage->self != NULL)
             stage->builder->destroy(stage->self);
-        bb_terms_put_back(&terms); /* no row is left to fail */
+        bb_hook_put_back(&hook); /* no row is left to fail */
         bb_tree_release(&stage->own);
     }
     bb_references_release(&instance->references);
@@ -237,12 +235,10 @@ bb_status bb_instance_describe(bb_instance *instance, const bb_scene *scene, cha
         if (stage->builder->describe == NULL)
             continue;
         bb_scene part = bb_stage_part(instance, i, scene);
-        bb_terms terms;
-        bb_terms_take(&terms);
-        bb_guard_enter(bb_instance_guarded(instance), instance->pipeline.stages[i].label,
-                       "describe");
-        bb_status status = stage->builder->describe(stage->self, &part, words, sizeof words);
-        BB_TRY(bb_terms_check(&terms, instance->pipeline.stages[i].label, "describe", status));
+        bb_hook hook;
+        bb_stage_begin(instance, i, "describe", scene, &hook);
+        BB_TRY(
+            bb_hook_end(&hook, stage->builder->describe(stage->self, &part, words, sizeof words)));
         bool alone = instance->pipeline.count == 1;
         if (words[0] != '\0' && used < capacity)
             used += (size_t)snprintf(text + used, capacity - used, "%s%s%s%s", used > 0 ? "; " : "",
@@ -261,11 +257,10 @@ bb_status bb_instance_decisions(bb_instance *instance, const bb_scene *scene,
         if (stage->builder->decide == NULL)
             continue;
         bb_scene part = bb_stage_part(instance, i, scene);
-        bb_terms terms;
-        bb_terms_take(&terms);
-        bb_guard_enter(bb_instance_guarded(instance), instance->pipeline.stages[i].label, "decide");
+        bb_hook hook;
+        bb_stage_begin(instance, i, "decide", scene, &hook);
         stage->builder->decide(stage->self, &part, decisions);
-        BB_TRY(bb_terms_check(&terms, instance->pipeline.stages[i].label, "decide", BB_OK));
+        BB_TRY(bb_hook_end(&hook, BB_OK));
     }
     return BB_OK;
 }

@@ -46,6 +46,12 @@ typedef struct bb_instance {
     char scene[256];      /* name of the scene that it was created for; "": none */
     bb_device *device;
     bb_account account; /* of all stages together */
+    /* What its hooks have added, on a device that shares the host's memory too. Less than what is
+     * booked where pages were not touched. */
+    bb_footprint footprint;
+    /* Builds check their tree as soon as the hook has returned; not after a splitter, whose
+     * references are still to be mapped. */
+    bool check_at_once;
     bb_stage stages[BB_STAGES_MAX];
     bb_references references; /* output of the splitter */
     cl_program program;       /* maps references to primitives */

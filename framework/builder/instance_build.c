@@ -50,38 +50,36 @@ static bb_status warm_up(const bb_scene *part)
     return read_buffer(&there->tet_flags);
 }
 
-/* Prepares and restores; not timed, but recorded. */
-static bb_status get_ready(bb_instance *instance, bb_stage *stage, const bb_scene *scene,
-                           const bb_scene *part, double *restore_ms)
+/* Calls prepare() or restore(); *ms gets its time, which is not part of the build's. */
+static bb_status get_ready(bb_instance *instance, uint32_t i, const bb_scene *scene,
+                           const bb_scene *part, bool prepare, double *ms)
 {
+    bb_stage *stage = &instance->stages[i];
     const bb_builder *builder = stage->builder;
-    const char *label = instance->pipeline.stages[stage - instance->stages].label;
-    bb_terms terms;
-    bool prepared = stage->prepared == scene && stage->prepared_count == part->prim_count;
-    if (!prepared && builder->prepare != NULL) {
-        bb_terms_take(&terms);
-        bb_guard_enter(bb_instance_guarded(instance), label, "prepare");
-        double start = bb_wall_ms();
-        bb_status status =
-            builder->prepare(stage->self, part, bb_is_splitter(builder) ? NULL : stage->tree);
-        if (status == BB_OK)
-            status = bb_finish(instance->device);
-        stage->prepare_ms = bb_wall_ms() - start;
-        BB_TRY(bb_terms_check(&terms, label, "prepare", status));
-    }
+    bb_hook hook;
+    bb_stage_begin(instance, i, prepare ? "prepare" : "restore", scene, &hook);
+    const double start = bb_wall_ms();
+    bb_status status =
+        prepare ? builder->prepare(stage->self, part, bb_is_splitter(builder) ? NULL : stage->tree)
+                : builder->restore(stage->self, part);
+    if (status == BB_OK)
+        status = bb_finish(instance->device);
+    *ms = bb_wall_ms() - start;
+    return bb_hook_end(&hook, status);
+}
+
+static bb_status prepare_and_restore(bb_instance *instance, uint32_t i, const bb_scene *scene,
+                                     const bb_scene *part, double *restore_ms)
+{
+    bb_stage *stage = &instance->stages[i];
+    const bool prepared = stage->prepared == scene && stage->prepared_count == part->prim_count;
+    if (!prepared && stage->builder->prepare != NULL)
+        BB_TRY(get_ready(instance, i, scene, part, true, &stage->prepare_ms));
     stage->prepared = scene;
     stage->prepared_count = part->prim_count;
     *restore_ms = 0;
-    if (builder->restore != NULL) {
-        bb_terms_take(&terms);
-        bb_guard_enter(bb_instance_guarded(instance), label, "restore");
-        double start = bb_wall_ms();
-        bb_status status = builder->restore(stage->self, part);
-        if (status == BB_OK)
-            status = bb_finish(instance->device);
-        *restore_ms = bb_wall_ms() - start;
-        BB_TRY(bb_terms_check(&terms, label, "restore", status));
-    }
+    if (stage->builder->restore != NULL)
+        return get_ready(instance, i, scene, part, false, restore_ms);
     return BB_OK;
 }
 
@@ -159,6 +157,23 @@ static bb_status check_references(const bb_instance *instance, const bb_scene *s
                    instance->stages[0].builder->name, references->count, scene->prim_count, room);
 }
 
+/* Whether stage `i` makes the tree that is traced; after a splitter that is made of its tree. */
+static bool is_final(const bb_instance *instance, uint32_t i)
+{
+    return i + 1 == instance->pipeline.count && instance->stages[i].tree != NULL &&
+           !bb_stage_is_fed_with_references(instance, i);
+}
+
+/* Checks the tree before threads that the hook may have left behind have time to finish it. */
+static bb_status check_now(bb_instance *instance, const bb_scene *scene)
+{
+    bb_tree *tree = &instance->tree;
+    tree->copied = false;
+    BB_TRY(bb_tree_fetch_info(tree));
+    BB_TRY(bb_tree_download(tree, NULL));
+    return bb_tree_check(tree, scene);
+}
+
 static bb_status run_stage(bb_instance *instance, uint32_t i, const bb_scene *scene,
                            uint32_t changed, bool exact)
 {
@@ -168,7 +183,7 @@ static bb_status run_stage(bb_instance *instance, uint32_t i, const bb_scene *sc
     bb_scene part = bb_stage_part(instance, i, scene);
     *step = (bb_build_step){.label = instance->pipeline.stages[i].label, .stage = i};
     const meter before = start_meter(instance);
-    BB_TRY(get_ready(instance, stage, scene, &part, &step->timing.restore_ms));
+    BB_TRY(prepare_and_restore(instance, i, scene, &part, &step->timing.restore_ms));
     if (bb_stage_is_fed_with_references(instance, i)) /* else keep the result of map_refs() */
         stage->tree->duplicated = false;
     step->phases = (bb_phases){.device = builder->place == BB_ON_DEVICE ? instance->device : NULL,
@@ -179,10 +194,9 @@ static bb_status run_stage(bb_instance *instance, uint32_t i, const bb_scene *sc
     if (stage->tree != NULL)
         stage->tree->refitted = false;
     bb_stopwatch watch;
-    bb_terms terms;
-    const char *hook = changed != 0 ? "update" : bb_is_splitter(builder) ? "split" : "build";
-    bb_guard_enter(bb_instance_guarded(instance), step->label, hook);
-    bb_terms_take(&terms);
+    bb_hook hook;
+    const char *name = changed != 0 ? "update" : bb_is_splitter(builder) ? "split" : "build";
+    bb_stage_begin(instance, i, name, scene, &hook);
     bb_status status = warm_up(&part);
     if (status == BB_OK)
         status = bb_stopwatch_start(instance->device, &watch);
@@ -190,7 +204,9 @@ static bb_status run_stage(bb_instance *instance, uint32_t i, const bb_scene *sc
         status = run_hook(instance, i, &part, changed, &step->phases);
         status = bb_stopwatch_stop(&watch, status, &step->timing.timing);
     }
-    BB_TRY(bb_terms_check(&terms, step->label, hook, status));
+    if (status == BB_OK && instance->check_at_once && is_final(instance, i))
+        status = check_now(instance, scene);
+    BB_TRY(bb_hook_end(&hook, status));
     step->timing.outside_ms = step->phases.outside_ms;
     step->timing.timing.ms -= step->phases.outside_ms;
     step->peak = stop_meter(instance, stage, &before);

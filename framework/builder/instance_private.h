@@ -2,9 +2,8 @@
 #ifndef BB_INSTANCE_PRIVATE_H
 #define BB_INSTANCE_PRIVATE_H
 
-#include "framework/builder/guard.h"
+#include "framework/builder/hook.h"
 #include "framework/builder/instance.h"
-#include "framework/builder/terms.h"
 
 /* Whether a splitter comes before stage `i`. */
 bool bb_stage_is_fed_with_references(const bb_instance *instance, uint32_t i);
@@ -13,10 +12,12 @@ bool bb_stage_is_fed_with_references(const bb_instance *instance, uint32_t i);
  * references of the last split in place of the primitives if a splitter comes before it. */
 bb_scene bb_stage_part(const bb_instance *instance, uint32_t i, const bb_scene *scene);
 
-/* Whose hooks are called: what would be missing without the instance. */
-static inline bb_guarded bb_instance_guarded(const bb_instance *instance)
+/* Stage `i` is about to be called: bb_hook_begin(). */
+static inline void bb_stage_begin(bb_instance *instance, uint32_t i, const char *name,
+                                  const bb_scene *scene, bb_hook *hook)
 {
-    return (bb_guarded){instance->scene, instance->pipeline.text};
+    bb_hook_begin(hook, (bb_guarded){instance->scene, instance->pipeline.text},
+                  instance->pipeline.stages[i].label, name, scene, &instance->footprint);
 }
 
 #endif

@@ -96,12 +96,19 @@ static double rate_of(const bb_entry *trace)
                                            bb_get_number(trace, BB_F_TRACE_MS));
 }
 
-/* NAN: neither was measured. */
+/* NAN: nothing of it was measured. */
 static double untimed_of(const bb_entry *build)
 {
-    const double restore = bb_get_number(build, BB_F_BUILD_RESTORE_MS);
-    const double outside = bb_get_number(build, BB_F_BUILD_OUTSIDE_MS);
-    return !isfinite(restore) ? outside : !isfinite(outside) ? restore : restore + outside;
+    const bool remembers = bb_get_true(build, BB_F_BUILD_REMEMBERS);
+    const double parts[] = {
+        bb_get_number(build, BB_F_BUILD_RESTORE_MS), bb_get_number(build, BB_F_BUILD_OUTSIDE_MS),
+        remembers ? bb_get_number(build, BB_F_BUILD_UNSEEN_MS) - bb_get_number(build, BB_F_BUILD_MS)
+                  : (double)NAN};
+    double sum = NAN;
+    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++)
+        if (isfinite(parts[i]))
+            sum = isfinite(sum) ? sum + parts[i] : parts[i];
+    return sum;
 }
 
 static double prims_of(const bb_entry *build)

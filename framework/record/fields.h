@@ -96,7 +96,8 @@ FIELD(BUILD_MS_HI, BUILD, "build_ms_hi", "ms", DERIVED, LATER, AS_FIGURE, NULL, 
 FIELD(BUILD_MS_LEAST, BUILD, "build_ms_least", "ms", DERIVED, LATER, AS_FIGURE, NULL, NULL)
 FIELD(BUILD_MS_MOST, BUILD, "build_ms_most", "ms", DERIVED, LATER, AS_FIGURE, NULL, NULL)
 FIELD(BUILD_UNTIMED, BUILD, "untimed_ms", "ms", DERIVED, LATER, AS_FIGURE, "Untimed ms",
-      "recurs with each build, outside its clock: restoring, and phases that are left out")
+      "recurs with each build, outside its clock: restoring, phases that are left out, and what an "
+      "unseen input takes longer, if the builder remembers inputs")
 FIELD(BUILD_RATE, BUILD, "mprims_s", "Mprims/s", DERIVED, LATER, AS_FIGURE, "Mprims/s",
       "million primitives per second")
 FIELD(BUILD_HANDOVER, BUILD, "build_handover", "", TEXT, B(CHARS, handover), AS_TEXT, "Hand-over",
@@ -123,6 +124,11 @@ FIELD(BUILD_RESTORE_MS, BUILD, "restore_ms", "ms", ROUNDS, B(SAMPLES, restore_ms
       "Restore ms", "by the builder, before each build, outside the clock")
 FIELD(BUILD_OUTSIDE_MS, BUILD, "outside_ms", "ms", ROUNDS, B(SAMPLES, outside_ms), AS_FIGURE,
       "Outside ms", "on the host, in phases that the clock leaves out")
+FIELD(BUILD_UNSEEN_MS, BUILD, "unseen_ms", "ms", ROUNDS, B(SAMPLES, unseen_ms), AS_FIGURE,
+      "Unseen ms",
+      "to build inputs that the builder had not seen, the scene mirrored and renumbered")
+FIELD(BUILD_REMEMBERS, BUILD, "remembers", "", FLAG, B(FLAG, remembers), AS_TEXT, "Remembers",
+      "it took more than 1.5 times as long for each of them as for what it had seen")
 FIELD(BUILD_INPUTS, BUILD, "inputs", "", TEXT, B(CHARS, inputs), AS_TEXT, "Inputs", NULL)
 FIELD(BUILD_BOXES_MS, BUILD, "boxes_ms", "ms", NUMBER, B(MEASURED, boxes_ms), AS_FIGURE, "Boxes ms",
       "to make the input, if it is the primitives\xe2\x80\x99 boxes")
@@ -157,6 +163,8 @@ FIELD(TREE_BYTES, TREE, "bytes_tree", "B", NUMBER, B(SIZE64, bytes_tree), AS_BYT
       "bytes of the tree; of embree-native, of what Embree holds")
 FIELD(TREE_BYTES_PEAK, TREE, "bytes_peak", "B", NUMBER, B(SIZE64, bytes_peak), AS_BYTES, "Peak",
       "bytes of the tree and all scratch memory")
+FIELD(TREE_BYTES_UNBOOKED, TREE, "bytes_unbooked", "B", NUMBER, B(SIZE64, bytes_unbooked), AS_BYTES,
+      "Unbooked", "of the peak: resident memory that the builder has not booked")
 
 /* ---- traces ---- */
 FIELD(TRACE_CELL, TRACE, "cell", "", NEEDED | TEXT, T(CHARS, cell), AS_TEXT, "Key",

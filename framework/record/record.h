@@ -41,6 +41,8 @@ typedef struct bb_build_record {
     bb_samples cpu_ms;
     bb_samples restore_ms; /* restoring of the builder's input before each build; no part of it */
     bb_samples outside_ms; /* time of phases outside the clock */
+    bb_samples unseen_ms;  /* builds of inputs that it had not seen; no round of its own */
+    bool remembers;        /* these took long, each beside a build of what it had seen */
     double prepare_ms;     /* preparation before the first build; NAN: not measured */
     double boxes_ms;       /* making of the boxes, if the builder reads them; NAN: not measured */
     char inputs[64];       /* what the builder declares it reads: "boxes geometry"; "": not known */
@@ -73,6 +75,7 @@ typedef struct bb_build_record {
     bool has_tree;
     bb_tree_info tree;
     uint64_t bytes_tree, bytes_peak;
+    uint64_t bytes_unbooked;                 /* of the peak; 0: none to speak of */
     bb_metric_value metrics[BB_METRICS_MAX]; /* as bb_metrics; NAN: not measured */
     bb_decisions decisions;                  /* decisions that the stages report */
     char about[512];     /* the builder's description of its tree; "" for none */

@@ -147,6 +147,7 @@ static void put_fields(bb_page *page, const bb_entry *row, const bb_field_id *fi
 
 static const bb_field_id of_builds[] = {BB_F_BUILD_BUILDER, BB_F_BUILD_RATE, BB_F_BUILD_HANDOVER};
 static const bb_field_id of_trees[] = {BB_F_TREE_DEPTH, BB_F_TREE_BYTES, BB_F_TREE_BYTES_PEAK};
+static const bb_field_id of_unbooked = BB_F_TREE_BYTES_UNBOOKED;
 static const bb_field_id of_native[] = {BB_F_TREE_DEPTH, BB_F_BUILD_BYTES_NATIVE,
                                         BB_F_TREE_BYTES_PEAK};
 enum {
@@ -197,18 +198,18 @@ static void add_layouts(bb_page *page, const bb_section *builds, const char *sce
     }
 }
 
-/* Whether a builder works outside the clock. */
-static bool any_untimed(const bb_section *builds)
+/* Whether a builder has some of it: work outside the clock, memory beside its account. */
+static bool any_has(const bb_section *builds, bb_field_id field)
 {
     bool any = false;
     bb_each(build, builds)
     {
-        any = any || bb_get_number(build, BB_F_BUILD_UNTIMED) > 0;
+        any = any || bb_get_number(build, field) > 0;
     }
     return any;
 }
 
-static void add_build(bb_page *page, const bb_entry *build, bool untimed,
+static void add_build(bb_page *page, const bb_entry *build, bool untimed, bool unbooked,
                       const bb_metric *const *metrics, uint32_t count)
 {
     const bb_entry *layout = bb_first_part(build, BB_F_BUILD_LAYOUTS_MS);
@@ -223,6 +224,8 @@ static void add_build(bb_page *page, const bb_entry *build, bool untimed,
     for (uint32_t i = 0; i < count; i++)
         put_number(page, bb_get_metric(build, metrics[i]));
     put_fields(page, build, isfinite(native) ? of_native : of_trees, OF_TREES);
+    if (unbooked)
+        put_fields(page, build, &of_unbooked, 1);
     bb_page_put_text(page, bb_is_ok(build) ? "" : bb_get_text(build, BB_F_BUILD_STATUS));
 }
 
@@ -231,7 +234,8 @@ static void add_builds(bb_page *page, const bb_results *results, const char *sce
     const bb_section *builds = bb_results_section(results, BB_BUILDS);
     const bb_metric *metrics[BB_METRICS_MAX];
     const uint32_t count = choose_metrics(builds, metrics);
-    const bool untimed = any_untimed(builds);
+    const bool untimed = any_has(builds, BB_F_BUILD_UNTIMED);
+    const bool unbooked = any_has(builds, BB_F_TREE_BYTES_UNBOOKED);
     const bb_entry *first = bb_first(builds);
     while (first != NULL && !is_of(first, scene))
         first = bb_next(first);
@@ -246,11 +250,12 @@ static void add_builds(bb_page *page, const bb_results *results, const char *sce
     for (uint32_t i = 0; i < count; i++)
         bb_page_column(page, metrics[i]->title, "", "", -1);
     add_columns(page, of_trees, OF_TREES);
+    add_columns(page, &of_unbooked, unbooked ? 1 : 0);
     bb_page_column(page, "", "", "", 0);
     bb_each(build, builds)
     {
         if (is_of(build, scene))
-            add_build(page, build, untimed, metrics, count);
+            add_build(page, build, untimed, unbooked, metrics, count);
     }
     show(&about_view, results, scene, page);
     show(&stages_view, results, scene, page);

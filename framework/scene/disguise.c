@@ -50,8 +50,8 @@ static void copy_back(const bb_disguise *disguise, bb_scene *scene)
 
 /* ---- the disguise ---- */
 
-/* Whether the axis is worth mirroring, and primitives keep their sizes: what floats near the ends of
- * the box cannot tell apart must be small beside them. */
+/* Whether the axis is worth mirroring, and primitives keep their sizes: what floats near the ends
+ * of the box cannot tell apart must be small beside them. */
 static bool can_mirror(const bb_scene *scene, int axis)
 {
     const float lo = scene->bounds.lo[axis], hi = scene->bounds.hi[axis];

@@ -60,8 +60,8 @@ typedef struct bb_prim_kind {
                          double to, bb_outline outlines[BB_OUTLINES_MAX]);
 } bb_prim_kind;
 
-/* All functions except mirror(), and extended(), which may be hits() itself, for files that name each function as
- * here. */
+/* All functions except mirror(), and extended(), which may be hits() itself, for files that name
+ * each function as here. */
 #define BB_PRIM_FUNCTIONS                                                                          \
     .bounds = bounds, .product = product, .is_flat = is_flat, .area = area, .sample = sample,      \
     .normal = normal, .shrink = shrink, .reach = reach, .height = height, .hits = hits,            \

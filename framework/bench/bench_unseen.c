@@ -1,0 +1,184 @@
+/* Builds of a scene that no builder has seen: whoever builds it in the time of its other builds,
+ * and right, builds each time. A builder that remembers trees is slower, or wrong.
+ *
+ * The scene is disguised in place, as nobody can foresee: the system's random numbers say how, and
+ * before which round. */
+#include "framework/bench/bench_private.h"
+
+#include "framework/base/clock.h"
+#include "framework/scene/disguise.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/random.h>
+
+enum { AGAIN = 3 }; /* further disguises, if the first took suspiciously long */
+
+static const double suspicious = 1.5; /* times as long */
+
+uint32_t bb_bench_draw_unseen(bb_bench *bench, uint32_t rounds)
+{
+    uint64_t seed = 0;
+    if (getrandom(&seed, sizeof seed, 0) != (ssize_t)sizeof seed)
+        seed = (uint64_t)(bb_wall_ms() * 1e6);
+    bench->unseen = bb_random_make(seed, 0);
+    return rounds > 1 ? 1 + bb_random_below(&bench->unseen, rounds - 1) : BB_NONE;
+}
+
+/* Says how the scene is disguised, for whoever wants to see the same input. */
+static const char *looks_like(const bb_bench *bench, char text[128])
+{
+    const bb_disguise *disguise = &bench->disguise;
+    size_t used = (size_t)snprintf(text, 128, "mirrored along");
+    for (int axis = 0; axis < 3; axis++)
+        if ((disguise->mirrored >> axis & 1) != 0)
+            used += (size_t)snprintf(text + used, 128 - used, " %c", "xyz"[axis]);
+    snprintf(text + used, 128 - used, "%s", disguise->mirrored == 0 ? " no axis" : "");
+    for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
+        if (bench->scene->prims[kind].count > 1) {
+            used = strlen(text);
+            snprintf(text + used, 128 - used, ", numbered from %u on", disguise->shift[kind]);
+        }
+    return text;
+}
+
+static bb_status check_tree(bb_instance *instance, const bb_scene *scene)
+{
+    BB_TRY(bb_tree_download(&instance->tree, NULL));
+    return bb_tree_check(&instance->tree, scene);
+}
+
+/* Builds the tree of the disguised scene, which must hold for it. */
+static bb_status build_disguised(bb_bench *bench, bb_entrant *entrant)
+{
+    bb_build_timing timing;
+    char looks[128];
+    bb_instance *instance = &entrant->resident->instance;
+    instance->check_at_once = true;
+    bb_status status = bb_resident_build(&bench->residency, entrant->resident, false, &timing);
+    instance->check_at_once = false;
+    if (status == BB_OK) {
+        bb_samples_add(&entrant->record.unseen_ms, timing.timing.ms);
+        if (bb_is_splitter(instance->stages[0].builder)) /* not checked at once */
+            status = check_tree(instance, bench->scene);
+    }
+    if (status != BB_FAILED)
+        return status;
+    return bb_fail(BB_FAILED, "its build of the scene %s, which it had not seen: %s",
+                   looks_like(bench, looks), bb_message());
+}
+
+/* Disguises the scene, if it can be. */
+static bb_status put_on(bb_bench *bench, bool *disguised)
+{
+    const bb_status status = bb_disguise_put_on(&bench->disguise, &bench->unseen, bench->scene);
+    *disguised = status == BB_OK;
+    if (status != BB_UNSUPPORTED && status != BB_REFUSED)
+        return status;
+    bb_progress_note(bench->progress, "%s: no builder is tried on an input it has not seen: %s",
+                     bench->scene->name, bb_message());
+    return bb_disguise_take_off(&bench->disguise, bench->scene);
+}
+
+/* Builds an entrant's tree of a disguised scene. A tree that was evicted is built before,
+ * undisguised: its memory must be warm. */
+static bb_status take_turn(bb_bench *bench, bb_entrant *entrant, bool *disguised)
+{
+    if (!entrant->resident->built || !*disguised) {
+        BB_TRY(bb_disguise_take_off(&bench->disguise, bench->scene));
+        const bb_status status = bb_bench_tree(bench, entrant);
+        if (status != BB_OK) {
+            bb_bench_note_failure(entrant, status);
+            return BB_OK;
+        }
+        BB_TRY(put_on(bench, disguised));
+    }
+    if (!*disguised)
+        return BB_OK;
+    const bb_status status = build_disguised(bench, entrant);
+    if (status != BB_OK)
+        bb_bench_note_failure(entrant, status);
+    return BB_OK;
+}
+
+static bool is_tried(const bb_entrant *entrant)
+{
+    return !entrant->reference && entrant->record.status == BB_OK;
+}
+
+bb_status bb_bench_unseen_round(bb_bench *bench)
+{
+    uint32_t order[BB_ENTRANTS_MAX];
+    bool disguised = true;
+    bb_step step = bb_bench_begin(bench);
+    bb_random_order(&bench->unseen, order, bench->entrant_count);
+    bb_status status = put_on(bench, &disguised);
+    for (uint32_t i = 0; i < bench->entrant_count && status == BB_OK && disguised; i++)
+        if (is_tried(&bench->entrants[order[i]]) && !bb_interrupted())
+            status = take_turn(bench, &bench->entrants[order[i]], &disguised);
+    const bb_status off = bb_disguise_take_off(&bench->disguise, bench->scene);
+    return bb_bench_end(bench, step, "unseen inputs", status != BB_OK ? status : off);
+}
+
+/* ---- who took long ---- */
+
+/* Builds once more as seen, so that a machine that is slow just now slows this build too. */
+static bb_status build_seen(bb_bench *bench, bb_entrant *entrant, double *ms)
+{
+    bb_build_timing timing;
+    BB_TRY(bb_resident_build(&bench->residency, entrant->resident, false, &timing));
+    *ms = timing.timing.ms;
+    return BB_OK;
+}
+
+/* Tries three more disguises, each beside a build of what it has seen, and judges. */
+static bb_status try_again(bb_bench *bench, bb_entrant *entrant)
+{
+    bb_build_record *record = &entrant->record;
+    double slowest = 0, fastest = record->unseen_ms.values[0];
+    bool beside = true; /* each disguise took long beside the build before it */
+    for (uint32_t i = 0; i < record->build_ms.count; i++)
+        slowest = fmax(slowest, record->build_ms.values[i]);
+    for (int i = 0; i < AGAIN; i++) {
+        double seen;
+        bool disguised;
+        BB_TRY(build_seen(bench, entrant, &seen));
+        slowest = fmax(slowest, seen);
+        BB_TRY(put_on(bench, &disguised));
+        bb_status status = disguised ? build_disguised(bench, entrant) : BB_UNSUPPORTED;
+        BB_TRY(bb_disguise_take_off(&bench->disguise, bench->scene));
+        BB_TRY(status);
+        const double unseen = record->unseen_ms.values[record->unseen_ms.count - 1];
+        fastest = fmin(fastest, unseen);
+        beside = beside && unseen > suspicious * seen;
+    }
+    double unused;
+    BB_TRY(build_seen(bench, entrant, &unused)); /* the tree is traced */
+    record->remembers = beside;
+    if (!(fastest > suspicious * slowest))
+        return BB_OK;
+    return bb_fail(BB_FAILED,
+                   "it remembers inputs: of %u that it had not seen, it built the fastest in %.3g "
+                   "ms, and the slowest of its other builds took %.3g ms",
+                   record->unseen_ms.count, fastest, slowest);
+}
+
+bb_status bb_bench_judge_unseen(bb_bench *bench)
+{
+    for (uint32_t i = 0; i < bench->entrant_count && !bb_interrupted(); i++) {
+        bb_entrant *entrant = &bench->entrants[i];
+        const bb_build_record *record = &entrant->record;
+        if (!is_tried(entrant) || record->unseen_ms.count == 0 ||
+            record->unseen_ms.values[0] <= suspicious * bb_samples_median(&record->build_ms))
+            continue;
+        bb_step step = bb_bench_begin(bench);
+        const bb_status status = try_again(bench, entrant);
+        BB_TRY(bb_bench_end(bench, step, "unseen inputs", BB_OK));
+        if (bench->disguise.worn)
+            return status;
+        if (status != BB_OK)
+            bb_bench_note_failure(entrant, status);
+    }
+    return BB_OK;
+}

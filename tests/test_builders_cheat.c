@@ -1,0 +1,119 @@
+/* Builders that cheat, in one run with some that do not: each is found by name, nobody else is
+ * blamed. */
+#include "tests/program_fixture.h"
+
+#include <cjson/cJSON.h>
+#include <math.h>
+#include <string.h>
+
+#define CHEATS                                                                                     \
+    "cheat,cheat:kind=content,cheat:kind=sleeper,cheat:kind=first,cheat:kind=prepared,"            \
+    "cheat:kind=early,cheat:kind=spins,cheat:kind=late,cheat:kind=process,cheat:kind=boxes,"       \
+    "cheat:kind=device-boxes,cheat:kind=hides,lbvh,sah,embree-native"
+
+static const cJSON *rows;
+
+static const cJSON *row_of(const char *builder)
+{
+    const cJSON *row;
+    cJSON_ArrayForEach(row, rows)
+    {
+        if (strcmp(cJSON_GetStringValue(cJSON_GetObjectItem(row, "builder")), builder) == 0)
+            return row;
+    }
+    fail_msg("no row of %s", builder);
+    return NULL;
+}
+
+static void expect_reason(const char *kind, const char *words)
+{
+    char builder[64];
+    snprintf(builder, sizeof builder, "cheat:kind=%s", kind);
+    const cJSON *row = row_of(builder);
+    const char *status = cJSON_GetStringValue(cJSON_GetObjectItem(row, "status"));
+    const char *reason = cJSON_GetStringValue(cJSON_GetObjectItem(row, "reason"));
+    if (status == NULL || strcmp(status, "failed") != 0 || reason == NULL ||
+        strstr(reason, words) == NULL)
+        fail_msg("%s: %s: %s", builder, status, reason);
+}
+
+static void expect_ok(const char *builder)
+{
+    const cJSON *row = row_of(builder);
+    const char *reason = cJSON_GetStringValue(cJSON_GetObjectItem(row, "reason"));
+    if (reason != NULL)
+        fail_msg("%s: %s", builder, reason);
+}
+
+/* Where another program takes the processor, one of its copies takes as long as a build. */
+static void expect_remembered(const char *kind)
+{
+    char builder[64];
+    snprintf(builder, sizeof builder, "cheat:kind=%s", kind);
+    const cJSON *row = row_of(builder);
+    assert_true(cJSON_IsTrue(cJSON_GetObjectItem(row, "remembers")));
+    if (strcmp(cJSON_GetStringValue(cJSON_GetObjectItem(row, "status")), "ok") != 0)
+        expect_reason(kind, "it remembers inputs: of 4 that it had not seen");
+}
+
+static double bytes_of(const char *builder, const char *name)
+{
+    const cJSON *tree = cJSON_GetObjectItem(row_of(builder), "tree");
+    return cJSON_GetNumberValue(cJSON_GetObjectItem(tree, name));
+}
+
+static void each_is_found_and_nobody_else(void **state)
+{
+    (void)state;
+    const outcome *o =
+        run("run --scene soup:n=2000 --plugin " BB_TEST_PLUGIN_DIR "/cheat.so --builder " CHEATS
+            " --kernel stack --rays primary --size 16x16 --repeats 5 --no-pictures "
+            "--out cheats");
+    if (o->exit_status != 1)
+        fail_msg("exit %d: %s", o->exit_status, o->err);
+    cJSON *json = read_results("cheats/results.json");
+    rows = cJSON_GetObjectItem(json, "builds");
+    expect_remembered("content");
+    expect_reason("first", "which it had not seen: ");
+    expect_reason("prepared", "which it had not seen: ");
+    expect_reason("early", "which it had not seen: ");
+    expect_reason("spins", "cheat left a thread at work behind in build()");
+    expect_reason("late", "cheat left a thread at work behind in build()");
+    expect_reason("process", "cheat left a process behind in build()");
+    expect_reason("boxes", "cheat wrote into the scene's boxes in build()");
+    expect_reason("device-boxes", "cheat wrote into the scene's boxes on the device in build()");
+    expect_ok("cheat");
+    expect_ok("lbvh");
+    expect_ok("sah");
+    expect_ok("embree-native");
+    expect_ok("cheat:kind=hides");
+    assert_true(bytes_of("cheat:kind=hides", "bytes_unbooked") >= 90e6);
+    assert_true(bytes_of("cheat:kind=hides", "bytes_peak") >= 96e6);
+    assert_true(isnan(bytes_of("cheat", "bytes_unbooked")));
+    /* its slow build excuses it, but does not make it the fastest */
+    expect_ok("cheat:kind=sleeper");
+    assert_true(cJSON_IsTrue(cJSON_GetObjectItem(row_of("cheat:kind=sleeper"), "remembers")));
+    assert_false(cJSON_IsTrue(cJSON_GetObjectItem(row_of("cheat"), "remembers")));
+    cJSON_Delete(json);
+}
+
+static void who_remembers_is_not_the_fastest(void **state)
+{
+    (void)state;
+    const outcome *o = run("run --scene soup:n=2000 --plugin " BB_TEST_PLUGIN_DIR
+                           "/cheat.so --builder cheat:kind=sleeper,lbvh --kernel stack "
+                           "--rays primary --size 16x16 --repeats 5 --no-pictures --out sleeper");
+    if (o->exit_status != 0)
+        fail_msg("exit %d: %s", o->exit_status, o->err);
+    assert_non_null(strstr(o->out, "Outside the clock: cheat:kind=sleeper"));
+    assert_non_null(strstr(o->out, "Fastest build: lbvh"));
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(each_is_found_and_nobody_else),
+        cmocka_unit_test(who_remembers_is_not_the_fastest),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
