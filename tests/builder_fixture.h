@@ -3,6 +3,7 @@
 #ifndef BB_TEST_BUILDER_FIXTURE_H
 #define BB_TEST_BUILDER_FIXTURE_H
 
+#include "framework/builder/phases.h"
 #include "framework/builder/registry.h"
 #include "tests/tree_fixture.h"
 

@@ -3,6 +3,7 @@
  * Seed: BVHBENCH_TEST_SEED. BVHBENCH_TEST_SMALL keeps the inputs small (for oclgrind). */
 #include "builders/common/codes.h"
 #include "framework/base/random.h"
+#include "framework/builder/phases.h"
 #include "tests/device_forms.h"
 #include "tests/fixture.h"
 

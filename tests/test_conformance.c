@@ -3,6 +3,7 @@
 #include "framework/bench/conformance.h"
 #include "tests/tree_fixture.h"
 
+#include "framework/builder/phases.h"
 #include "framework/builder/registry.h"
 #include "framework/scene/scene.h"
 #include "tests/device_fixture.h"

@@ -1,5 +1,6 @@
 /* Embree as tracer (framework/judge/embree.c) and as builder (builders/embree). A few seconds. */
 #include "framework/base/clock.h"
+#include "framework/builder/phases.h"
 #include "framework/builder/registry.h"
 #include "framework/judge/embree.h"
 #include "framework/judge/oracle.h"

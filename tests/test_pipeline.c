@@ -1,5 +1,6 @@
 /* Builders in stages: how a specification is read, what is refused, and that stages are handed what
  * they take, timed and booked apart. */
+#include "framework/builder/phases.h"
 #include "framework/builder/registry.h"
 #include "tests/pipeline_fixture.h"
 #include "tests/registry.h"

@@ -1,6 +1,7 @@
 /* Trees that reinsertion makes: one in all forms, never a worse one; leaves, degenerate inputs and
  * chains; what is refused. Search and moves by themselves: test_reinsert.c. Seed:
  * BVHBENCH_TEST_SEED. BVHBENCH_TEST_SMALL keeps the inputs small (oclgrind). */
+#include "framework/builder/phases.h"
 #include "framework/builder/registry.h"
 #include "tests/device_forms.h"
 #include "tests/quality_inputs.h"

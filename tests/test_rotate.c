@@ -1,4 +1,5 @@
 /* What rotate promises: cheaper trees of the same leaves, whatever the builder; chains. */
+#include "framework/builder/phases.h"
 #include "framework/builder/registry.h"
 #include "tests/pipeline_fixture.h"
 

@@ -342,14 +342,13 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
 {
     olbvh *self = opaque;
     const size_t count = scene->prim_count;
-    bb_phases phases = {.device = self->device, .current = -1};
     BB_TRY(RESERVE(self, count, {"olbvh: cells of primitives", &self->counts}));
     BB_TRY(RESERVE(self, 2 * (size_t)chunks_of(scene->prim_count), {"olbvh: sums", &self->sums}));
     BB_TRY(RESERVE(self, 1, {"olbvh: arity", &self->arity}, {"olbvh: nodes", &self->total},
                    {"olbvh: boundary references", &self->marked}));
     BB_TRY(RESERVE(self, LEVELS_MAX, {"olbvh: NO", &self->no}));
     BB_TRY(RESERVE(self, 2 * sizeof(bb_box) / sizeof(uint32_t), {"olbvh: bounds", &self->bounds}));
-    return build(self, scene, NULL, tree, &phases);
+    return build(self, scene, NULL, tree, NULL);
 }
 
 static bb_status describe(void *opaque, const bb_scene *scene, char *text, size_t capacity)

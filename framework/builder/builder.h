@@ -56,23 +56,10 @@ enum { BB_STAGES_MAX = 4 }; /* in a pipeline */
 enum { BB_PHASES_MAX = 16, BB_EVENTS_MAX = 8 };
 
 /* Named spans inside a build. Their boundaries are exact for work on the host. For work on the
- * device they are exact only in builds that the harness makes for this purpose (`exact`), since
- * each boundary then waits for the queue. */
-typedef struct bb_phases {
-    bb_device *device;
-    bool exact;
-    bool used_device; /* a boundary saw work on the device */
-    uint32_t count;
-    int32_t current; /* -1: between phases */
-    double started;
-    bool outside;      /* the current phase does not count as build time */
-    double outside_ms; /* sum of such phases, which the build's time leaves out */
-    const char *names[BB_PHASES_MAX];
-    double ms[BB_PHASES_MAX];
-    uint32_t event_count;
-    const char *event_names[BB_EVENTS_MAX];
-    uint64_t events[BB_EVENTS_MAX];
-} bb_phases;
+ * device they are exact only in builds that the harness makes for this purpose, since each boundary
+ * then waits for the queue. The clock itself is the harness's; in builds that a builder makes for
+ * itself it is NULL, which all of the following take. */
+typedef struct bb_phases bb_phases;
 
 /* Ends the current phase and begins `name` (a string constant); NULL only ends it. If a name is
  * used again, its times add up. */

@@ -4,6 +4,7 @@
 #ifndef BB_INSTANCE_H
 #define BB_INSTANCE_H
 
+#include "framework/builder/phases.h"
 #include "framework/builder/pipeline.h"
 #include "framework/device/stopwatch.h"
 
@@ -77,7 +78,7 @@ void bb_instance_destroy(bb_instance *instance); /* a zeroed instance is allowed
  * times of each step. Copies between stages on the host and on the device are not in these times:
  * see bb_instance_transfer(). Before a stage's clock starts, its input is restored and read once,
  * so that all builders find theirs equally warm. tree.info is fetched after the clock has stopped.
- * `exact_phases`: see bb_phases. */
+ * `exact_phases`: see phases.h. */
 bb_status bb_instance_build(bb_instance *instance, const bb_scene *scene, bool exact_phases,
                             bb_build_timing *timing);
 

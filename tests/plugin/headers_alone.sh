@@ -16,6 +16,13 @@ for header in "$@"; do
     "${CC:-cc}" -std=c11 -Wall -Wextra -Wpedantic -Werror -I"$work/include" -fsyntax-only "$work/alone.c"
     "${CXX:-c++}" -std=c++17 -Wall -Wextra -Wpedantic -Werror -I"$work/include" -fsyntax-only "$work/alone.cpp"
 done
+# The clock of phases is not a hook's to write.
+printf '#include "framework/builder/builder.h"\nvoid lie(bb_phases *phases) { phases->outside_ms = 1e3; }\n' >"$work/lie.c"
+if "${CC:-cc}" -std=c11 -I"$work/include" -fsyntax-only "$work/lie.c" 2>"$work/why"; then
+    echo "a hook can write what is subtracted from its build's time"
+    exit 1
+fi
+grep -q 'outside_ms' "$work/why"
 for folder in "$source"/builders/*/; do
     name=$(basename "$folder")
     [ "$name" != common ] || continue
