@@ -34,6 +34,12 @@ static const term terms[] = {
     {"processors", "the processors to run on"},
     {"folder", "the working folder"},
     {"umask", "the umask"},
+    {"alarm", "a timer"},
+    {"virtual-timer", "a timer"},
+    {"profile-timer", "a timer"},
+    {"own-timers", "a timer"},
+    {"no-input", "standard input, output or error"},
+    {"error", "standard input, output or error"},
     {"environment", "the environment's variables"},
     {"variable", "the environment's variables"},
     {"variable-text", "the environment's variables"},
@@ -63,9 +69,11 @@ static bb_status go_through(const char *text)
     return status;
 }
 
-/* One processor alone cannot be chosen of one. */
+/* One processor alone cannot be chosen of one; not every kernel shows timers. */
 static bool can_change(const term *t)
 {
+    if (strcmp(t->name, "own-timers") == 0)
+        return access("/proc/self/timers", R_OK) == 0;
     cpu_set_t all;
     sched_getaffinity(0, sizeof all, &all);
     return strcmp(t->name, "processors") != 0 || CPU_COUNT(&all) > 1;

@@ -180,6 +180,48 @@ static void an_interrupt_changes_its_own_handler_alone(void **state)
     in_a_child(interrupt);
 }
 
+/* ---- timers ---- */
+
+static void leave_a_timer(void)
+{
+    bb_terms terms;
+    alarm(1000);
+    bb_terms_take(&terms);
+    alarm(500);
+    NEED(is_well(&terms));
+    bb_terms_take(&terms);
+    alarm(0);
+    NEED(is_blamed(&terms, "it changed a timer in build"));
+    NEED(alarm(0) > 400);
+}
+
+/* As `check` does, whose watchdog may set its alarm anew while a hook runs. */
+static void a_timer_that_runs_may_be_set_anew(void **state)
+{
+    (void)state;
+    in_a_child(leave_a_timer);
+}
+
+/* ---- standard input, output and error ---- */
+
+static void close_all(void)
+{
+    bb_terms terms;
+    NEED(close(STDIN_FILENO) == 0);
+    bb_terms_take(&terms);
+    NEED(is_well(&terms)); /* it was closed before */
+    bb_terms_take(&terms);
+    for (int descriptor = 0; descriptor < 1024; descriptor++)
+        close(descriptor);
+    NEED(is_blamed(&terms, "standard input, output or error, which could not be put back"));
+}
+
+static void who_closes_all_descriptors_is_blamed(void **state)
+{
+    (void)state;
+    in_a_child(close_all);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -187,6 +229,8 @@ int main(void)
         cmocka_unit_test(of_a_lowered_hard_limit_the_soft_one_comes_back),
         cmocka_unit_test(a_lost_folder_is_nobodys_fault),
         cmocka_unit_test(an_interrupt_changes_its_own_handler_alone),
+        cmocka_unit_test(a_timer_that_runs_may_be_set_anew),
+        cmocka_unit_test(who_closes_all_descriptors_is_blamed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 #if defined(__SSE__)
 #include <xmmintrin.h>
@@ -106,12 +107,16 @@ static int open_folder(void)
     return at >= 0 ? at : open(working_folder[1], flags);
 }
 
+static bool same_file(const struct stat *a, const struct stat *b)
+{
+    return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
+}
+
 /* What cannot be looked at is nobody's fault: others may have changed its permissions. */
 static bool folder_changed(const bb_terms *terms)
 {
     struct stat now;
-    return terms->folder_known && look_at_folder(&now) &&
-           (now.st_dev != terms->folder.st_dev || now.st_ino != terms->folder.st_ino);
+    return terms->folder_known && look_at_folder(&now) && !same_file(&now, &terms->folder);
 }
 
 /* It can only be read by setting it. Meanwhile, files that other threads make are too private. */
@@ -120,6 +125,74 @@ static mode_t umask_now(void)
     const mode_t now = umask(077);
     umask(now);
     return now;
+}
+
+/* How long a timer still has to run is nobody's change: `check`'s watchdog sets its own anew. */
+static bool timers_changed(const bb_terms *terms)
+{
+    bool changed = false;
+    for (int t = 0; t < BB_TERMS_TIMERS; t++) {
+        struct itimerval now;
+        const struct itimerval *then = &terms->timers[t];
+        getitimer((__itimer_which_t)t, &now);
+        if (timerisset(&now.it_value) == timerisset(&then->it_value) &&
+            !timercmp(&now.it_interval, &then->it_interval, !=))
+            continue;
+        changed = true;
+        setitimer((__itimer_which_t)t, then, NULL);
+    }
+    return changed;
+}
+
+/* Returns the highest id of timer_create(); -1: there is none, or the kernel does not show them.
+ * Ids only rise, and the kernel lists the latest first. */
+static int last_timer(void)
+{
+    char text[32] = "";
+    int id = -1;
+    const int file = open("/proc/self/timers", O_RDONLY | O_CLOEXEC);
+    if (file < 0)
+        return -1;
+    if (read(file, text, sizeof text - 1) > 0)
+        (void)sscanf(text, "ID: %d", &id);
+    close(file);
+    return id;
+}
+
+static bool created_timers(const bb_terms *terms)
+{
+    bool changed = false;
+    for (int id; (id = last_timer()) > terms->last_timer; changed = true)
+        if (syscall(SYS_timer_delete, id) != 0)
+            break;
+    return changed;
+}
+
+static void take_streams(bb_stream *streams)
+{
+    for (int s = 0; s < BB_TERMS_STREAMS; s++) {
+        streams[s].copy = fcntl(s, F_DUPFD_CLOEXEC, BB_TERMS_STREAMS);
+        fstat(s, &streams[s].file);
+    }
+}
+
+/* Other descriptors are not looked at: a driver's threads open and close theirs at any time. *lost:
+ * whether the copy is closed as well. */
+static bool streams_changed(const bb_terms *terms, bool *lost)
+{
+    bool changed = false;
+    *lost = false;
+    for (int s = 0; s < BB_TERMS_STREAMS; s++) {
+        const bb_stream *then = &terms->streams[s];
+        struct stat now;
+        if (then->copy < 0 || (fstat(s, &now) == 0 && same_file(&now, &then->file)))
+            continue;
+        changed = true;
+        if (fstat(then->copy, &now) != 0 || !same_file(&now, &then->file) ||
+            dup2(then->copy, s) != s)
+            *lost = true;
+    }
+    return changed;
 }
 
 /* ---- all ---- */
@@ -140,6 +213,10 @@ void bb_terms_take(bb_terms *terms)
     terms->folder_at = open_folder();
     terms->folder_known = look_at_folder(&terms->folder);
     terms->umask = umask_now();
+    for (int t = 0; t < BB_TERMS_TIMERS; t++)
+        getitimer((__itimer_which_t)t, &terms->timers[t]);
+    terms->last_timer = last_timer();
+    take_streams(terms->streams);
     bb_environment_take(&terms->environment);
     snprintf(terms->message, sizeof terms->message, "%s", bb_message());
 }
@@ -201,6 +278,14 @@ static void list_and_put_back(const bb_terms *terms, char *list, size_t capacity
         add(list, capacity, "the umask");
         umask(terms->umask);
     }
+    const bool timers = timers_changed(terms);
+    if (created_timers(terms) || timers)
+        add(list, capacity, "a timer");
+    bool lost;
+    if (streams_changed(terms, &lost))
+        add(list, capacity, "standard input, output or error");
+    if (lost)
+        add(list, capacity, not_put_back);
     const bool variables = bb_environment_changed(&terms->environment);
     const bool there = bb_environment_put_back(&terms->environment); /* pointers in any case */
     if (variables)
@@ -217,6 +302,9 @@ static void end(bb_terms *terms, char *list, size_t capacity)
     list_and_put_back(terms, list, capacity);
     if (terms->folder_at >= 0)
         close(terms->folder_at);
+    for (int s = 0; s < BB_TERMS_STREAMS; s++)
+        if (terms->streams[s].copy >= 0)
+            close(terms->streams[s].copy);
     bb_environment_free(&terms->environment);
 }
 

@@ -13,8 +13,15 @@
 #include <stdint.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/time.h>
 
-enum { BB_TERMS_LOCALE = 512, BB_TERMS_SIGNALS = 65 };
+enum { BB_TERMS_LOCALE = 512, BB_TERMS_SIGNALS = 65, BB_TERMS_TIMERS = 3, BB_TERMS_STREAMS = 3 };
+
+/* A descriptor that is open. */
+typedef struct bb_stream {
+    int copy; /* -1: it is closed */
+    struct stat file;
+} bb_stream;
 
 /* Floating-point environment, own locale and signal mask are those of the calling thread. */
 typedef struct bb_terms {
@@ -31,6 +38,10 @@ typedef struct bb_terms {
     bool folder_known;
     int folder_at; /* its descriptor; -1: it cannot be opened */
     mode_t umask;
+    struct itimerval
+        timers[BB_TERMS_TIMERS];         /* by which: ITIMER_REAL, ITIMER_VIRTUAL, ITIMER_PROF */
+    int last_timer;                      /* highest id of timer_create(); -1: there is none */
+    bb_stream streams[BB_TERMS_STREAMS]; /* standard input, output and error */
     bb_environment environment;
     char message[BB_MESSAGE_MAX]; /* bb_message() */
 } bb_terms;

@@ -4,6 +4,7 @@
 #include "builders/common/refit.h"
 #include "framework/builder/builder.h"
 
+#include <fcntl.h>
 #include <fenv.h>
 #include <locale.h>
 #include <sched.h>
@@ -12,6 +13,8 @@
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/time.h>
+#include <time.h>
 #include <unistd.h>
 #if defined(__SSE__)
 #include <xmmintrin.h>
@@ -42,6 +45,7 @@ static const bb_option options[] = {
     {"term", "none",
      "none|rounding|denormals|sse-rounding|x87-rounding|x87-precision|locale|thread-locale|handler|"
      "handler-restart|handler-stack|handler-children|mask|limit|processors|folder|umask|"
+     "alarm|virtual-timer|profile-timer|own-timers|no-input|error|"
      "environment|variable|variable-text|variable-order|no-variable|no-variables",
      "changes this of the process"},
     {"at", "build", "create|prepare|restore|build|describe|decide|destroy", "in this hook"},
@@ -98,6 +102,33 @@ static void change_signals(const char *term)
         sigprocmask(SIG_BLOCK, &set, NULL);
 }
 
+/* They would ring in an hour. */
+static void change_timers(const char *term)
+{
+    const struct itimerval hour = {.it_value.tv_sec = 3600};
+    if (strcmp(term, "alarm") == 0)
+        alarm(3600);
+    if (strcmp(term, "virtual-timer") == 0)
+        setitimer(ITIMER_VIRTUAL, &hour, NULL);
+    if (strcmp(term, "profile-timer") == 0)
+        setitimer(ITIMER_PROF, &hour, NULL);
+    timer_t timer;
+    struct sigevent event = {.sigev_notify = SIGEV_SIGNAL, .sigev_signo = SIGUSR2};
+    for (int i = 0; i < 2 && strcmp(term, "own-timers") == 0; i++)
+        timer_create(CLOCK_MONOTONIC, &event, &timer);
+}
+
+static void change_streams(const char *term)
+{
+    if (strcmp(term, "no-input") == 0)
+        close(STDIN_FILENO);
+    const int zero = open("/dev/zero", O_RDWR | O_CLOEXEC);
+    if (strcmp(term, "error") == 0)
+        dup2(zero, STDERR_FILENO);
+    if (zero > STDERR_FILENO)
+        close(zero);
+}
+
 /* The test that asks for it has put BVHBENCH_PUT there. */
 static void change_environment(const char *term)
 {
@@ -143,6 +174,8 @@ static void change(const char *term)
         abort();
     if (strcmp(term, "umask") == 0)
         umask(0777);
+    change_timers(term);
+    change_streams(term);
     change_environment(term);
 }
 
