@@ -11,6 +11,7 @@
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
@@ -127,38 +128,70 @@ static void pause_with(pid_t child)
     kill(-child, SIGCONT);
 }
 
-/* Waits for the end of the child, and passes signals on; returns whether it was killed because a
- * hook took too long. *passed: the last signal that may end it. */
-static bool watch(pid_t child, const sigset_t *signals, int *status, int *passed)
+/* How the child ended. */
+typedef struct fate {
+    int status;   /* of waitpid() */
+    int passed;   /* the last signal that was passed on and may have ended it; 0: none */
+    bool hung;    /* it was killed because a hook took too long */
+    double cpu_s; /* that it used */
+} fate;
+
+/* Waits for the end of the child, and passes signals on. */
+static fate watch(pid_t child, const sigset_t *signals)
 {
     const struct timespec second = {1, 0};
-    bool hung = false;
-    while (waitpid(child, status, WNOHANG) == 0) {
+    struct rusage used = {.ru_maxrss = 0};
+    fate f = {0};
+    while (wait4(child, &f.status, WNOHANG, &used) == 0) {
         siginfo_t info;
         const int caught = sigtimedwait(signals, &info, &second);
         if (caught == SIGTSTP)
             pause_with(child);
         else if (caught > 0 && caught != SIGCHLD) {
-            *passed = caught;
+            f.passed = caught;
             kill(child, caught);
         }
-        if (!hung && is_hung()) {
-            hung = true;
+        if (!f.hung && is_hung()) {
+            f.hung = true;
             kill(child, SIGKILL);
         }
     }
-    return hung;
+    f.cpu_s = (double)(used.ru_utime.tv_sec + used.ru_stime.tv_sec) +
+              1e-6 * (double)(used.ru_utime.tv_usec + used.ru_stime.tv_usec);
+    return f;
 }
 
-/* How the child ended. */
-static void describe_end(int status, bool hung, char *words, size_t capacity)
+/* Says of a signal what probably sent it. A process gets SIGXCPU at the soft limit of CPU time, and
+ * SIGKILL at the hard one, which `ulimit -t` makes the same. */
+static void describe_sender(const fate *f, char *words, size_t capacity)
 {
-    if (hung)
+    struct rlimit limit;
+    const int number = WTERMSIG(f->status);
+    words[0] = '\0';
+    if (number != SIGXCPU && number != SIGKILL)
+        return;
+    const bool known = getrlimit(RLIMIT_CPU, &limit) == 0;
+    const rlim_t most = !known              ? RLIM_INFINITY
+                        : number == SIGXCPU ? limit.rlim_cur
+                                            : limit.rlim_max;
+    if (most != RLIM_INFINITY && (number == SIGXCPU || f->cpu_s + 1 >= (double)most))
+        snprintf(words, capacity, ", at the limit of %llu s of CPU time (ulimit -t)",
+                 (unsigned long long)most);
+    else if (number == SIGKILL)
+        snprintf(words, capacity, ", probably for want of memory");
+}
+
+static void describe_end(const fate *f, char *words, size_t capacity)
+{
+    char sender[96];
+    const int status = f->status;
+    describe_sender(f, sender, sizeof sender);
+    if (f->hung)
         snprintf(words, capacity, "it had not returned after %u s (--patience), and was killed",
                  atomic_load(&shared->patience));
     else if (WIFSIGNALED(status))
         snprintf(words, capacity, "signal %d (%s)%s", WTERMSIG(status), strsignal(WTERMSIG(status)),
-                 WTERMSIG(status) == SIGKILL ? ", probably for want of memory" : "");
+                 sender);
     else
         snprintf(words, capacity, "it called exit(%d)", WEXITSTATUS(status));
 }
@@ -178,19 +211,27 @@ static bool add_death(const char *verb, const char *how)
     return true;
 }
 
-/* Says how the child died; returns whether to begin again. */
-static bool mourn(int status, bool hung, bool again)
+/* "SCENE: ROW: ", without what is not known and a row that is called as who dies. */
+static void describe_row(char *words, size_t capacity)
 {
-    char how[128], line[2 * SCENE + WHO + 256];
-    describe_end(status, hung, how, sizeof how);
-    const char *scene = shared->scene, *colon = scene[0] != '\0' ? ": " : "";
+    const char *scene = shared->scene;
+    const char *row = strcmp(shared->row, shared->who) != 0 ? shared->row : "";
+    snprintf(words, capacity, "%s%s%s%s", scene, scene[0] != '\0' ? ": " : "", row,
+             row[0] != '\0' ? ": " : "");
+}
+
+/* Says how the child died; returns whether to begin again. */
+static bool mourn(const fate *f, bool again)
+{
+    char how[192], row[SCENE + ROW + 8], line[sizeof row + WHO + sizeof how + 128];
+    describe_end(f, how, sizeof how);
+    describe_row(row, sizeof row);
     if (in_hook()) {
-        snprintf(line, sizeof line, "%s%s%s died in %s(): %s", scene, colon, shared->who,
-                 shared->hook, how);
+        snprintf(line, sizeof line, "%s%s died in %s(): %s", row, shared->who, shared->hook, how);
         again = again && add_death("died in", how);
     } else if (shared->hook[0] != '\0') {
-        snprintf(line, sizeof line, "%s%sthe program died: %s; the last hook was %s() of %s", scene,
-                 colon, how, shared->hook, shared->who);
+        snprintf(line, sizeof line, "%sthe program died: %s; the last hook was %s() of %s", row,
+                 how, shared->hook, shared->who);
         again = again && shared->suspects++ < SUSPECTS &&
                 add_death("is suspected: the program died after its", how);
     } else {
@@ -205,10 +246,10 @@ static bool mourn(int status, bool hung, bool again)
 }
 
 /* Whether a user, or a reader that went away, ended it. */
-static bool was_asked_to_end(int status, int passed)
+static bool was_asked_to_end(const fate *f)
 {
-    return WIFSIGNALED(status) &&
-           (WTERMSIG(status) == passed || (WTERMSIG(status) == SIGPIPE && !in_hook()));
+    const int number = WIFSIGNALED(f->status) ? WTERMSIG(f->status) : 0;
+    return number != 0 && !f->hung && (number == f->passed || (number == SIGPIPE && !in_hook()));
 }
 
 /* Returns the child's exit status. A library that exits in its place does not make it 0. */
@@ -218,6 +259,48 @@ static int exit_status_of(int status, int exit_died)
     if (is != 0 || said != 0)
         return is != 0 ? is : said;
     return shared->death_count > 0 ? exit_died : 0;
+}
+
+/* Lists the process's children; returns how many there are, at most `capacity`. */
+static int list_children(pid_t *children, int capacity)
+{
+    int count = 0, child;
+    FILE *file = fopen("/proc/thread-self/children", "r");
+    while (file != NULL && count < capacity && fscanf(file, "%d", &child) == 1)
+        children[count++] = child;
+    if (file != NULL)
+        fclose(file);
+    return count;
+}
+
+enum { CHILDREN = 256 };
+
+static struct {
+    pid_t list[CHILDREN];
+    int count;
+} others; /* children from before this program: the shell's that it has taken the place of */
+
+static bool is_other(pid_t child)
+{
+    for (int i = 0; i < others.count; i++)
+        if (others.list[i] == child)
+            return true;
+    return false;
+}
+
+/* Kills what the child left, in its group or out of it. As the subreaper, the guardian is the
+ * parent of each orphan, and next of those that it leaves. */
+static void kill_left(pid_t child)
+{
+    pid_t left[CHILDREN];
+    kill(-child, SIGKILL);
+    for (bool any = others.count < CHILDREN; any;) {
+        const int count = list_children(left, CHILDREN);
+        any = false;
+        for (int i = 0; i < count; i++)
+            if (!is_other(left[i]) && kill(left[i], SIGKILL) == 0)
+                any = waitpid(left[i], NULL, 0) == left[i] || any;
+    }
 }
 
 /* The child has a process group of its own, so that each signal reaches it once. To the terminal it
@@ -264,9 +347,10 @@ void bb_guard_start(bool again, int exit_died, int exit_cannot)
             sigaddset(&signals, passed[i]);
     signal(SIGCHLD, SIG_DFL); /* an ignored signal would discard the status */
     sigprocmask(SIG_BLOCK, &signals, &mask);
+    others.count = list_children(others.list, CHILDREN);
+    prctl(PR_SET_CHILD_SUBREAPER, 1);
     for (;;) {
         const pid_t parent = getpid();
-        int status = 0, last = 0;
         fflush(NULL); /* the child would write buffered text again */
         const pid_t child = fork();
         if (child <= 0) {
@@ -278,13 +362,13 @@ void bb_guard_start(bool again, int exit_died, int exit_cannot)
             return;
         }
         setpgid(child, child);
-        const bool hung = watch(child, &signals, &status, &last);
-        kill(-child, SIGKILL); /* processes that it left */
-        if (WIFEXITED(status) && atomic_load(&shared->ended) > 0)
-            _exit(exit_status_of(status, exit_died));
-        if (was_asked_to_end(status, last) && !hung)
-            end_by(WTERMSIG(status));
-        if (!mourn(status, hung, again))
+        const fate f = watch(child, &signals);
+        kill_left(child);
+        if (WIFEXITED(f.status) && atomic_load(&shared->ended) > 0)
+            _exit(exit_status_of(f.status, exit_died));
+        if (was_asked_to_end(&f))
+            end_by(WTERMSIG(f.status));
+        if (!mourn(&f, again))
             _exit(again || (in_hook() && shared->row[0] == '\0') ? exit_cannot : exit_died);
         atomic_store(&shared->since, 0.0);
         shared->hook[0] = '\0'; /* nobody has called one in the next child */

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <pthread.h>
 #include <signal.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -13,8 +14,9 @@
 static const bb_option options[] = {
     {"above", "100", NULL, "primitives from which on all goes wrong"},
     {"how", "right",
-     "right|crash|exit|exit0|overflow|beside|atexit|sigpipe|term|late|tire|hang|flood|wrong|"
-     "refuse|fail|slow|big",
+     "right|crash|exit|exit0|overflow|beside|atexit|sigpipe|term|late|tire|hang|spin|xcpu|orphan|"
+     "flood|"
+     "wrong|refuse|fail|slow|big",
      "what goes wrong"},
     {"at", "build", "create|prepare|restore|build|describe|decide|destroy",
      "in which hook; in others than build only crash, exit, exit0, overflow, beside and hang, in "
@@ -41,7 +43,7 @@ static int overflow(volatile int *depth)
 
 static void *abort_soon(void *none)
 {
-    usleep(100000);
+    usleep(30000);
     abort();
     return none;
 }
@@ -51,8 +53,35 @@ static void leave(void)
     _exit(0);
 }
 
+/* Leaves a process that is in no group and session of ours, and its id in the working folder. */
+static void leave_orphan(void)
+{
+    if (fork() != 0)
+        return;
+    setsid();
+    const pid_t orphan = fork();
+    FILE *file = orphan > 0 ? fopen("orphan.pid", "w") : NULL;
+    if (file != NULL && fprintf(file, "%ld", (long)orphan) > 0)
+        fclose(file);
+    if (orphan == 0)
+        sleep(600);
+    _exit(0);
+}
+
 static void die(const char *how)
 {
+    for (volatile unsigned spin = 0; strcmp(how, "spin") == 0; spin++)
+        ;
+    if (strcmp(how, "xcpu") == 0) {
+        signal(SIGXCPU, SIG_DFL); /* LLVM's returns from the first one */
+        raise(SIGXCPU);
+    }
+    if (strcmp(how, "orphan") == 0) {
+        leave_orphan();
+        while (access("orphan.pid", F_OK) != 0)
+            usleep(1000);
+        abort();
+    }
     if (strcmp(how, "atexit") == 0)
         atexit(leave);
     if (strcmp(how, "sigpipe") == 0) {
