@@ -11,6 +11,7 @@
 #include "tests/hand_scene.h"
 #include "tests/scene_files.h"
 
+#include <errno.h> /* program_invocation_short_name */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -132,8 +133,8 @@ static inline int set_up(void **state)
     if (bb_scene_finish(scene) != BB_OK)
         return -1;
     rays = make_rays("random", RAYS);
-    rays_path = strdup(test_path("exchange", "a.rays"));
-    hits_path = strdup(test_path("exchange", "a.hits"));
+    rays_path = strdup(test_path(program_invocation_short_name, "a.rays"));
+    hits_path = strdup(test_path(program_invocation_short_name, "a.hits"));
     char *data = NULL;
     if (bb_exchange_write_rays(rays_path, scene, rays, "a test") != BB_OK ||
         bb_file_read(rays_path, FILE_MAX, "test", &data, &rays_size) != BB_OK)

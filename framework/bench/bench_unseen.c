@@ -15,7 +15,13 @@
 
 enum { AGAIN = 3 }; /* further disguises, if the first took suspiciously long */
 
-static const double suspicious = 1.5; /* times as long */
+/* Whether a build took suspiciously long beside another: half as long again, and longer than what
+ * caches that the disguise has filled may cost. */
+static bool took_long(double ms, double other_ms)
+{
+    const double times = 1.5, caches_ms = 0.05;
+    return ms > times * other_ms + caches_ms;
+}
 
 uint32_t bb_bench_draw_unseen(bb_bench *bench, uint32_t rounds)
 {
@@ -151,12 +157,12 @@ static bb_status try_again(bb_bench *bench, bb_entrant *entrant)
         BB_TRY(status);
         const double unseen = record->unseen_ms.values[record->unseen_ms.count - 1];
         fastest = fmin(fastest, unseen);
-        beside = beside && unseen > suspicious * seen;
+        beside = beside && took_long(unseen, seen);
     }
     double unused;
     BB_TRY(build_seen(bench, entrant, &unused)); /* the tree is traced */
     record->remembers = beside;
-    if (!(fastest > suspicious * slowest))
+    if (!took_long(fastest, slowest))
         return BB_OK;
     return bb_fail(BB_FAILED,
                    "it remembers inputs: of %u that it had not seen, it built the fastest in %.3g "
@@ -170,7 +176,7 @@ bb_status bb_bench_judge_unseen(bb_bench *bench)
         bb_entrant *entrant = &bench->entrants[i];
         const bb_build_record *record = &entrant->record;
         if (!is_tried(entrant) || record->unseen_ms.count == 0 ||
-            record->unseen_ms.values[0] <= suspicious * bb_samples_median(&record->build_ms))
+            !took_long(record->unseen_ms.values[0], bb_samples_median(&record->build_ms)))
             continue;
         bb_step step = bb_bench_begin(bench);
         const bb_status status = try_again(bench, entrant);
