@@ -133,4 +133,17 @@ static inline cJSON *read_results(const char *name)
     return document;
 }
 
+/* The first build by this builder. */
+static inline const cJSON *build_of(const cJSON *builds, const char *builder)
+{
+    const cJSON *build;
+    cJSON_ArrayForEach(build, builds)
+    {
+        if (strcmp(cJSON_GetStringValue(cJSON_GetObjectItem(build, "builder")), builder) == 0)
+            return build;
+    }
+    fail_msg("no build by %s", builder);
+    return NULL;
+}
+
 #endif

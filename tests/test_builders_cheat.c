@@ -13,23 +13,11 @@
 
 static const cJSON *rows;
 
-static const cJSON *row_of(const char *builder)
-{
-    const cJSON *row;
-    cJSON_ArrayForEach(row, rows)
-    {
-        if (strcmp(cJSON_GetStringValue(cJSON_GetObjectItem(row, "builder")), builder) == 0)
-            return row;
-    }
-    fail_msg("no row of %s", builder);
-    return NULL;
-}
-
 static void expect_reason(const char *kind, const char *words)
 {
     char builder[64];
     snprintf(builder, sizeof builder, "cheat:kind=%s", kind);
-    const cJSON *row = row_of(builder);
+    const cJSON *row = build_of(rows, builder);
     const char *status = cJSON_GetStringValue(cJSON_GetObjectItem(row, "status"));
     const char *reason = cJSON_GetStringValue(cJSON_GetObjectItem(row, "reason"));
     if (status == NULL || strcmp(status, "failed") != 0 || reason == NULL ||
@@ -39,7 +27,7 @@ static void expect_reason(const char *kind, const char *words)
 
 static void expect_ok(const char *builder)
 {
-    const cJSON *row = row_of(builder);
+    const cJSON *row = build_of(rows, builder);
     const char *reason = cJSON_GetStringValue(cJSON_GetObjectItem(row, "reason"));
     if (reason != NULL)
         fail_msg("%s: %s", builder, reason);
@@ -50,7 +38,7 @@ static void expect_remembered(const char *kind)
 {
     char builder[64];
     snprintf(builder, sizeof builder, "cheat:kind=%s", kind);
-    const cJSON *row = row_of(builder);
+    const cJSON *row = build_of(rows, builder);
     assert_true(cJSON_IsTrue(cJSON_GetObjectItem(row, "remembers")));
     if (strcmp(cJSON_GetStringValue(cJSON_GetObjectItem(row, "status")), "ok") != 0)
         expect_reason(kind, "it remembers inputs: of 4 that it had not seen");
@@ -58,7 +46,7 @@ static void expect_remembered(const char *kind)
 
 static double bytes_of(const char *builder, const char *name)
 {
-    const cJSON *tree = cJSON_GetObjectItem(row_of(builder), "tree");
+    const cJSON *tree = cJSON_GetObjectItem(build_of(rows, builder), "tree");
     return cJSON_GetNumberValue(cJSON_GetObjectItem(tree, name));
 }
 
@@ -92,8 +80,9 @@ static void each_is_found_and_nobody_else(void **state)
     assert_true(isnan(bytes_of("cheat", "bytes_unbooked")));
     /* its slow build excuses it, but does not make it the fastest */
     expect_ok("cheat:kind=sleeper");
-    assert_true(cJSON_IsTrue(cJSON_GetObjectItem(row_of("cheat:kind=sleeper"), "remembers")));
-    assert_false(cJSON_IsTrue(cJSON_GetObjectItem(row_of("cheat"), "remembers")));
+    assert_true(
+        cJSON_IsTrue(cJSON_GetObjectItem(build_of(rows, "cheat:kind=sleeper"), "remembers")));
+    assert_false(cJSON_IsTrue(cJSON_GetObjectItem(build_of(rows, "cheat"), "remembers")));
     cJSON_Delete(json);
 }
 

@@ -1,6 +1,7 @@
 /* Limits of control groups, of both versions, as files have them; Slurm's; what the program makes
  * of affinity and ulimit. How processors are run, as files have it. */
 #include "framework/base/limits.h"
+#include "framework/base/memory.h"
 #include "framework/device/processors.h"
 #include "tests/program_fixture.h"
 
@@ -139,12 +140,33 @@ static void a_run_says_where_it_may_run(void **state)
     cJSON_Delete(json);
 }
 
+/* What is gone is in the peak since the mark before it, not in that after it, and never lost. */
+static void a_peak_is_counted_from_its_mark(void **state)
+{
+    (void)state;
+    const uint64_t bytes = 64 << 20, most = bytes / 8; /* of other pages, that come and go */
+    bb_host_mark_peak();
+    const uint64_t before = bb_host_resident();
+    char *block = NULL;
+    assert_int_equal(bb_host_alloc(NULL, bytes, "a block", &block), BB_OK);
+    memset(block, 1, bytes);
+    bb_host_free(block);
+    const uint64_t peak = bb_host_peak_since_mark();
+    assert_true(peak >= before + bytes - most);
+    bb_host_mark_peak();
+    assert_true(bb_host_peak_since_mark() < before + most);
+    assert_true(bb_host_peak() >= peak);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_least_of_all_groups_counts), cmocka_unit_test(slurm_tells_its_memory),
-        cmocka_unit_test(the_program_keeps_to_them),      cmocka_unit_test(how_processors_are_run),
+        cmocka_unit_test(the_least_of_all_groups_counts),
+        cmocka_unit_test(slurm_tells_its_memory),
+        cmocka_unit_test(the_program_keeps_to_them),
+        cmocka_unit_test(how_processors_are_run),
         cmocka_unit_test(a_run_says_where_it_may_run),
+        cmocka_unit_test(a_peak_is_counted_from_its_mark),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -18,19 +18,6 @@ static bool is_long(void)
     return getenv("BVHBENCH_TEST_LONG") != NULL;
 }
 
-/* The first build by this builder. */
-static const cJSON *build_of(const cJSON *builds, const char *builder)
-{
-    const cJSON *build;
-    cJSON_ArrayForEach(build, builds)
-    {
-        if (strcmp(cJSON_GetStringValue(cJSON_GetObjectItem(build, "builder")), builder) == 0)
-            return build;
-    }
-    fail_msg("no build by %s", builder);
-    return NULL;
-}
-
 static void a_small_run_leaves_results_report_and_pictures(void **state)
 {
     (void)state;

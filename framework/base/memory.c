@@ -4,11 +4,10 @@
 
 #include "framework/base/limits.h"
 
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
-#include <unistd.h>
 
 typedef struct header {
     uint64_t bytes;
@@ -90,39 +89,45 @@ void bb_host_free(void *pointer)
     free(head);
 }
 
+/* Returns a figure of proc(5)'s status of this process, such as "VmRSS:"; 0 if it has none. */
+static uint64_t status_bytes(const char *name)
+{
+    char line[128];
+    unsigned long long kib = 0;
+    FILE *file = fopen("/proc/self/status", "r");
+    while (file != NULL && kib == 0 && fgets(line, sizeof line, file) != NULL)
+        if (strncmp(line, name, strlen(name)) == 0 &&
+            sscanf(line + strlen(name), "%llu", &kib) != 1)
+            break;
+    if (file != NULL)
+        fclose(file);
+    return kib * 1024;
+}
+
 static uint64_t peak_before_mark;
+static bool marked = true;
+
+uint64_t bb_host_resident(void)
+{
+    return status_bytes("VmRSS:");
+}
 
 uint64_t bb_host_peak_since_mark(void)
 {
-    struct rusage usage;
-    const uint64_t unit = 1024; /* Linux counts in KiB */
-    return getrusage(RUSAGE_SELF, &usage) == 0 ? (uint64_t)usage.ru_maxrss * unit : 0;
+    return marked ? status_bytes("VmHWM:") : bb_host_resident();
 }
 
 uint64_t bb_host_peak(void)
 {
-    const uint64_t since = bb_host_peak_since_mark();
-    return since > peak_before_mark ? since : peak_before_mark;
+    const uint64_t peak = status_bytes("VmHWM:");
+    return peak > peak_before_mark ? peak : peak_before_mark;
 }
 
 void bb_host_mark_peak(void)
 {
     peak_before_mark = bb_host_peak();
     FILE *file = fopen("/proc/self/clear_refs", "w");
-    if (file == NULL)
-        return;
-    fputs("5", file); /* proc(5): resets the peak of what is resident */
-    fclose(file);
-}
-
-uint64_t bb_host_resident(void)
-{
-    unsigned long long pages = 0;
-    FILE *file = fopen("/proc/self/statm", "r");
-    if (file == NULL)
-        return 0;
-    if (fscanf(file, "%*u %llu", &pages) != 1)
-        pages = 0;
-    fclose(file);
-    return pages * (uint64_t)sysconf(_SC_PAGESIZE);
+    marked = file != NULL && fputs("5", file) >= 0; /* proc(5): resets the peak */
+    if (file != NULL)
+        marked = fclose(file) == 0 && marked;
 }

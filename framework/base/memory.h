@@ -47,7 +47,7 @@ typedef struct bb_footprint {
 } bb_footprint;
 
 /* Starts anew what bb_host_peak_since_mark() returns: the most bytes that the process has had in
- * memory since. Where Linux does not let it, the peak is that since the process began. */
+ * memory since. Where Linux does not let it, that is what it has now. */
 void bb_host_mark_peak(void);
 uint64_t bb_host_peak_since_mark(void);
 

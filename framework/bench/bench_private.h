@@ -90,8 +90,8 @@ typedef struct bb_bench {
     bb_bench_outcome *outcome;
     double start;
     double steps_ms; /* booked so far */
-    double
-        booking_ms; /* of it, what booking the last step took: the results get it with the next */
+    /* of it, what booking the last step took, which the results get with the next */
+    double booking_ms;
     bb_buffer rays;
     bb_buffer answers; /* whatever the query */
     bb_counter counter;

@@ -97,7 +97,7 @@ static void update(const bb_idle *before, const bb_idle *now, uint64_t builder)
     }
 }
 
-/* Watches all threads of whom nobody has been told. Returns whether one is awake. */
+/* Watches all threads but those that were found. Returns whether one is awake. */
 static bool watch(void)
 {
     const int own = gettid();
@@ -112,7 +112,7 @@ static bool watch(void)
         thread *t = &threads[i];
         const double ms = thread_ms(t->id) - before[i];
         t->since_ms += ms;
-        t->awake = t->id != own && !t->told && (ms > most || is_runnable(t->id));
+        t->awake = t->id != own && !t->found && (ms > most || is_runnable(t->id));
         any = any || t->awake;
     }
     return any;

@@ -42,8 +42,8 @@ typedef struct bb_origin {
     char device_type[16]; /* BB_DEVICE_CPU ...; "": no device of ours */
     char shard[24];       /* "2/8"; "" for a whole run */
     char governor[64], smt[8], boost[8], processors[256]; /* as in framework/device/processors.h */
-    double
-        busy; /* share of the processors that other programs kept at work, the most of all runs */
+    /* share of the processors that other programs kept at work, the most of all runs */
+    double busy;
     bool interrupted;
 } bb_origin;
 
