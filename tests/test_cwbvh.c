@@ -170,7 +170,7 @@ static void nodes_hold_the_tree(void **state)
         for (uint32_t leaf = 1; leaf <= 3; leaf++)
             take_apart(scene, &tree, leaf, run / 2 % 2 == 0, run % 2 == 0 ? leaf : 3, false);
         bb_tree_release(&tree);
-        free_uploaded(scene);
+        free_scene(scene);
     }
 }
 
@@ -195,7 +195,7 @@ static void boxes_may_be_of_any_size(void **state)
         ASSERT_OK(bb_tree_upload(&tree, device, NULL));
         take_apart(scene, &tree, 1 + run % 3, run % 2 == 0, 3, true);
         bb_tree_release(&tree);
-        free_uploaded(scene);
+        free_scene(scene);
     }
 }
 
@@ -223,7 +223,7 @@ static void a_large_leaf_is_divided(void **state)
         take_apart(scene, &tree, 1, false, 3, false);
         free(refs);
         bb_tree_release(&tree);
-        free_uploaded(scene);
+        free_scene(scene);
     }
 }
 
@@ -252,7 +252,7 @@ static void children_stand_in_their_octants(void **state)
             octants[prim_of(&c, scene, c.nodes[0].prims + (c.nodes[0].meta[place] & 31u))], place);
     free_compressed(&c);
     bb_tree_release(&tree);
-    free_uploaded(scene);
+    free_scene(scene);
 }
 
 static void leaves_have_a_limit(void **state)
@@ -292,7 +292,7 @@ static void all_forms_make_one_layout(void **state)
             if (form != CPU_FORM)
                 free_compressed(&c);
             bb_tree_release(&tree);
-            free_uploaded(scene);
+            free_scene(scene);
         }
         free_compressed(&first);
     }

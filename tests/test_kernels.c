@@ -63,6 +63,7 @@ static void release_scene(bb_scene *scene)
     bb_buffer_release(&scene->on_device.boxes);
     bb_buffer_release(&scene->on_device.vertices);
     bb_buffer_release(&scene->on_device.prims);
+    bb_host_free(scene->seal);
 }
 
 static double dot(const double a[3], const double b[3])

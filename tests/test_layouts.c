@@ -21,14 +21,6 @@ static bb_scene *make_triangles(uint32_t count, bb_random *random)
     return scene;
 }
 
-static void free_triangles(bb_scene *scene)
-{
-    bb_buffer_release(&scene->on_device.boxes);
-    bb_buffer_release(&scene->on_device.vertices);
-    bb_buffer_release(&scene->on_device.prims);
-    free_scene(scene);
-}
-
 static uint32_t depth_of(const bb_tree *tree, uint32_t n)
 {
     uint32_t depth = 0;
@@ -141,7 +133,7 @@ static void skip_is_the_preorder_of_any_tree(void **state)
             add_single_children(&tree, 1 + sizes[s] / 10, &random);
             compare_skip(scene, &tree, &maker);
             bb_tree_release(&tree);
-            free_triangles(scene);
+            free_scene(scene);
         }
     bb_layout_maker_destroy(&maker);
 }
@@ -181,7 +173,7 @@ static void layouts_say_whether_they_keep_the_shape(void **state)
     assert_true(keeps_shape("skip", scene, &binary, 1));
     bb_tree_release(&binary);
     bb_tree_release(&wide);
-    free_triangles(scene);
+    free_scene(scene);
 }
 
 /* A kernel that was not asked for is taken where no other one traces the tree as it was built, and
@@ -324,7 +316,7 @@ static void every_layout_has_maps_for_vertices(void **state)
         if ((*layout)->array.name == NULL) /* which this tree has not */
             compare_forms(*layout, scene, &tree);
     bb_tree_release(&tree);
-    free_triangles(scene);
+    free_scene(scene);
 }
 
 int main(void)

@@ -155,7 +155,7 @@ static void wide_layouts_hold_the_tree(void **state)
             for (uint32_t leaf = 1; leaf <= 8; leaf += 7)
                 take_apart(names[i], scene, &tree, leaf, run % 2 == 0, run / 2 % 2 == 0);
         bb_tree_release(&tree);
-        free_uploaded(scene);
+        free_scene(scene);
     }
 }
 
@@ -214,7 +214,7 @@ static void pairs_wait_where_there_is_no_room(void **state)
         take_apart("wide4", scene, &tree, 1, false, greedy);
     }
     bb_tree_release(&tree);
-    free_uploaded(scene);
+    free_scene(scene);
 }
 
 /* ---- the ways to the same layout ---- */

@@ -133,7 +133,7 @@ static void cheap_nodes_keep_leaves_apart(void **state)
         bb_layout_maker_destroy(&maker);
     }
     bb_tree_release(&tree);
-    free_uploaded(scene);
+    free_scene(scene);
 }
 
 /* Greedy nodes are those of the definition, and the plan's have no more area: less on some tree. */
@@ -161,7 +161,7 @@ static void nodes_are_those_of_the_plan(void **state)
             fail_msg("run %u %s: nodes of %g planned, of %g by greed", run, name, least, most);
         better += least < most * 0.99;
         bb_tree_release(&tree);
-        free_uploaded(scene);
+        free_scene(scene);
     }
     assert_true(better > 0);
 }

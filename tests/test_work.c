@@ -255,7 +255,7 @@ static void work_is_what_the_layout_asks_for(void **state)
         for (size_t i = 0; i < sizeof wides / sizeof wides[0]; i++)
             expect_work(wides[i].kernel, wides[i].layout, wides[i].leaf, scene, &tree, rays);
         bb_tree_release(&tree);
-        free_uploaded(scene);
+        free_scene(scene);
     }
 }
 
@@ -303,7 +303,7 @@ static void compressed_nodes_take_what_a_walk_takes(void **state)
         free_compressed(&c);
     }
     bb_tree_release(&tree);
-    free_uploaded(scene);
+    free_scene(scene);
 }
 
 /* Copies of one triangle: what a closest hit asks all of, an any hit has in the first leaf. */
@@ -340,7 +340,7 @@ static void any_hit_ends_the_search(void **state)
                 fail_msg("%s, ray %u, any hit: %u tests", kernels[k], i, counts[i].prims);
     }
     bb_tree_release(&tree);
-    free_uploaded(scene);
+    free_scene(scene);
 }
 
 /* ---- stacks ---- */
@@ -395,7 +395,7 @@ static void expect_overflow(const char *kernel, uint32_t size, uint32_t layers)
                      counts[i].overflow != 0 ? "an overflow" : "no overflow");
     }
     bb_tree_release(&tree);
-    free_uploaded(scene);
+    free_scene(scene);
 }
 
 /* Neither sooner than said, nor later: then what is beyond the stack is overwritten. */

@@ -26,6 +26,10 @@ static inline bb_scene *make_box_scene(uint32_t count)
 
 static inline void free_scene(bb_scene *scene)
 {
+    bb_buffer_release(&scene->on_device.boxes);
+    bb_buffer_release(&scene->on_device.vertices);
+    bb_buffer_release(&scene->on_device.prims);
+    bb_host_free(scene->seal);
     free(scene->boxes);
     free(scene->vertices);
     free(bb_scene_indices(scene));

@@ -136,15 +136,6 @@ static inline float extreme(bb_random *random, uint32_t kind)
     }
 }
 
-static inline void free_uploaded(bb_scene *scene)
-{
-    bb_scene_device *geometry = &scene->on_device;
-    bb_buffer_release(&geometry->boxes);
-    bb_buffer_release(&geometry->vertices);
-    bb_buffer_release(&geometry->prims);
-    free_scene(scene);
-}
-
 /* Runs a group of tests on the device in each form that is asked for. */
 #define RUN_ON_EACH_DEVICE(tests, failed)                                                          \
     for (int form = first_form(); form < FORMS && (failed) == 0; form += LEVELS_FORM) {            \

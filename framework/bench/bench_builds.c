@@ -14,7 +14,9 @@ enum {
     /* builds with exact phase boundaries; on a device they are extra builds, which do not count */
     PHASE_BUILDS = 3,
     METRIC_SAMPLES = 1000000,
-    UNBOOKED_LEAST = 32 << 20, /* bytes */
+    /* bytes; a device's compiler, which may run in any build, needs more */
+    UNBOOKED_LEAST = 32 << 20,
+    UNBOOKED_LEAST_ON_DEVICE = 128 << 20,
 };
 
 /* Adds the phases of a step. In a pipeline, the stage's name stands before the phase's. */
@@ -88,7 +90,9 @@ static uint64_t unbooked(const bb_instance *instance)
 {
     const int64_t booked = (int64_t)instance->account.peak;
     const int64_t more = instance->footprint.peak - booked;
-    return more > UNBOOKED_LEAST && more > booked / 10 ? (uint64_t)more : 0;
+    const int64_t least =
+        bb_pipeline_on_device(&instance->pipeline) > 0 ? UNBOOKED_LEAST_ON_DEVICE : UNBOOKED_LEAST;
+    return more > least && more > booked / 10 ? (uint64_t)more : 0;
 }
 
 static void record_timing(bb_bench *bench, bb_entrant *entrant, const bb_build_timing *timing)

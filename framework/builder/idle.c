@@ -34,7 +34,7 @@ static uint32_t thread_count;
 static bool has_children(void)
 {
     siginfo_t unused;
-    return waitid(P_ALL, 0, &unused, WEXITED | WNOHANG | WNOWAIT) == 0;
+    return waitid(P_ALL, 0, &unused, WEXITED | WNOHANG | WNOWAIT | __WALL) == 0;
 }
 
 void bb_idle_take(bb_idle *now)

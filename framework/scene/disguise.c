@@ -2,6 +2,7 @@
 
 #include "framework/scene/prim.h"
 #include "framework/scene/scene_private.h"
+#include "framework/scene/seal.h"
 
 #include <math.h>
 #include <string.h>
@@ -131,6 +132,7 @@ bb_status bb_disguise_take_off(bb_disguise *disguise, bb_scene *scene)
     BB_TRY(bb_scene_finish_frame(scene));
     BB_TRY(bb_scene_upload_again(scene));
     disguise->worn = false;
+    bb_scene_is_whole(scene); /* whoever wrote into the disguise */
     return BB_OK;
 }
 

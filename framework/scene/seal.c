@@ -264,3 +264,9 @@ bb_status bb_scene_check_seal(const bb_scene *scene, const char **changed)
     scene->seal->lost = status != BB_OK;
     return status;
 }
+
+void bb_scene_is_whole(bb_scene *scene)
+{
+    if (scene->seal != NULL)
+        scene->seal->lost = false;
+}

@@ -15,4 +15,7 @@ bb_status bb_scene_seal(bb_scene *scene);
  * BB_FAILED. The device's queue must be finished. */
 bb_status bb_scene_check_seal(const bb_scene *scene, const char **changed);
 
+/* The caller has put everything back: a scene that could not be is whole again. */
+void bb_scene_is_whole(bb_scene *scene);
+
 #endif
