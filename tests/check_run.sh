@@ -27,11 +27,11 @@ allowed_without() {
 }
 
 # Whether test $2 is in the part of $build that BVHBENCH_TEST_PART names, as scripts/test takes it:
-# of the first, $1, by turns; of another every second.
+# of the first, $1, by turns; of another every third.
 in_this_part() {
     local part=${BVHBENCH_TEST_PART-} chosen listed
     [ -n "$part" ] || return 0
-    chosen=(-I "$((part % 2 + 1)),,2")
+    chosen=(-I "$((part / 3 + 1)),,3")
     [ "$build" != "$1" ] || chosen=(--label-exclude "^turn-[^$((part % 3))]\$")
     listed=$(ctest --test-dir "$build" -N "${chosen[@]}")
     grep -q " $2\$" <<<"$listed"

@@ -91,6 +91,26 @@ static void a_disguise_is_alike_and_comes_off(void **state)
     }
 }
 
+/* A flat scene has axes that are not worth mirroring, and a symmetric one may look like itself. */
+static void a_draw_that_changes_nothing_is_drawn_again(void **state)
+{
+    (void)state;
+    static const char *const small[] = {"single", "cube"};
+    for (size_t s = 0; s < sizeof small / sizeof small[0]; s++) {
+        bb_disguise disguise = {0};
+        bb_random random = bb_random_make(seed, s);
+        bb_scene *scene = load_there(small[s]);
+        const uint64_t hash = scene->hash;
+        for (int k = 0; k < 100; k++) {
+            ASSERT_OK(bb_disguise_put_on(&disguise, &random, scene));
+            assert_true(scene->hash != hash);
+        }
+        ASSERT_OK(bb_disguise_take_off(&disguise, scene));
+        bb_disguise_end(&disguise);
+        bb_scene_free(scene);
+    }
+}
+
 /* One box is its own mirror image; side arrays of volumes and tetrahedra are not renumbered. */
 static void what_cannot_be_disguised_stays(void **state)
 {
@@ -194,6 +214,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_disguise_is_alike_and_comes_off),
+        cmocka_unit_test(a_draw_that_changes_nothing_is_drawn_again),
         cmocka_unit_test(what_cannot_be_disguised_stays),
         cmocka_unit_test(whoever_writes_into_a_scene_is_found),
         cmocka_unit_test(what_cannot_be_put_back_is_said_each_time),

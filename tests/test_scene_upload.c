@@ -55,6 +55,7 @@ static void test_refusal(void **state)
     device->global_bytes = device->bytes + 47999;
     assert_int_equal(bb_scene_upload(scene, device), BB_REFUSED);
     assert_non_null(strstr(bb_message(), "48000 bytes"));
+    assert_non_null(strstr(bb_message(), "smaller scene"));
     device->global_bytes = global;
     device->largest_allocation = 31999;
     assert_int_equal(bb_scene_upload(scene, device), BB_REFUSED);

@@ -50,6 +50,15 @@ static const char *bounded_by(const bb_device *device)
     return own ? device->name : bb_memory_limit_by();
 }
 
+bb_status bb_device_has_room(const bb_device *device, uint64_t bytes, const char *what)
+{
+    if (device->bytes + bytes <= device->global_bytes)
+        return BB_OK;
+    return bb_fail(BB_REFUSED, "%s needs %llu bytes, %llu of the %llu of %s are in use", what,
+                   (unsigned long long)bytes, (unsigned long long)device->bytes,
+                   (unsigned long long)device->global_bytes, bounded_by(device));
+}
+
 bb_status bb_buffer_reserve(bb_device *device, bb_account *account, size_t bytes, const char *what,
                             bb_buffer *buffer)
 {
@@ -62,10 +71,7 @@ bb_status bb_buffer_reserve(bb_device *device, bb_account *account, size_t bytes
         return bb_fail(BB_REFUSED,
                        "%s needs a buffer of %zu bytes, the largest that %s allows is %llu", what,
                        bytes, device->name, (unsigned long long)device->largest_allocation);
-    if (bytes > device->global_bytes - device->bytes)
-        return bb_fail(BB_REFUSED, "%s needs %zu bytes, %llu of the %llu of %s are in use", what,
-                       bytes, (unsigned long long)device->bytes,
-                       (unsigned long long)device->global_bytes, bounded_by(device));
+    BB_TRY(bb_device_has_room(device, bytes, what));
     cl_int error;
     cl_mem mem = create_buffer(device, bytes, &error);
     if (error != CL_SUCCESS)

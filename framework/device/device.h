@@ -93,6 +93,8 @@ typedef struct bb_buffer {
     bb_account *account;
 } bb_buffer;
 
+/* Refuses more bytes than the device's memory, or what this process may use, has left. */
+bb_status bb_device_has_room(const bb_device *device, uint64_t bytes, const char *what);
 /* Ensures that the buffer has at least `bytes`; contents are lost if it grows. Requests that, by
  * our own accounting, exceed the device's memory or its largest allocation are refused, with name
  * and bytes, before the driver is asked. `account` may be NULL. A zeroed bb_buffer is empty. */

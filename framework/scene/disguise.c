@@ -97,13 +97,8 @@ static void renumber(const bb_disguise *disguise, bb_scene *scene, uint32_t kind
     memcpy(to + (bytes - before), from, before);
 }
 
-bb_status bb_disguise_put_on(bb_disguise *disguise, bb_random *random, bb_scene *scene)
+static bb_status wear(bb_disguise *disguise, bb_random *random, bb_scene *scene)
 {
-    if (scene->volume != NULL || scene->tets != NULL)
-        return bb_fail(BB_UNSUPPORTED, "%s: has a volume or tetrahedra, and is not disguised",
-                       scene->name);
-    if (disguise->count == 0)
-        BB_TRY(copy_scene(disguise, random, scene));
     BB_TRY(bb_disguise_take_off(disguise, scene));
     const bb_box box = scene->bounds;
     disguise->worn = true;
@@ -118,10 +113,23 @@ bb_status bb_disguise_put_on(bb_disguise *disguise, bb_random *random, bb_scene 
             mirror(scene, axis, &box);
     disguise->count++;
     BB_TRY(bb_scene_finish_frame(scene));
-    BB_TRY(bb_scene_upload_again(scene));
-    return scene->hash != disguise->hash
-               ? BB_OK
-               : bb_fail(BB_UNSUPPORTED, "%s: looks like itself in every disguise", scene->name);
+    return bb_scene_upload_again(scene);
+}
+
+bb_status bb_disguise_put_on(bb_disguise *disguise, bb_random *random, bb_scene *scene)
+{
+    const int tries = 7; /* all axes that can be mirrored */
+    if (scene->volume != NULL || scene->tets != NULL)
+        return bb_fail(BB_UNSUPPORTED, "%s: has a volume or tetrahedra, and is not disguised",
+                       scene->name);
+    if (disguise->count == 0)
+        BB_TRY(copy_scene(disguise, random, scene));
+    for (int i = 0; i < tries; i++) {
+        BB_TRY(wear(disguise, random, scene));
+        if (scene->hash != disguise->hash)
+            return BB_OK;
+    }
+    return bb_fail(BB_UNSUPPORTED, "%s: looks like itself in every disguise", scene->name);
 }
 
 bb_status bb_disguise_take_off(bb_disguise *disguise, bb_scene *scene)

@@ -28,14 +28,10 @@ static bb_status check_room(const bb_scene *scene, const bb_device *device, cons
                            scene->name, parts[i].what, (unsigned long long)parts[i].bytes,
                            device->name, (unsigned long long)device->largest_allocation);
     }
-    uint64_t left = device->global_bytes > device->bytes ? device->global_bytes - device->bytes : 0;
-    if (total > left)
-        return bb_fail(BB_REFUSED,
-                       "%s: needs %llu bytes, %s has %llu left: take a smaller scene or another "
-                       "device",
-                       scene->name, (unsigned long long)total, device->name,
-                       (unsigned long long)left);
-    return BB_OK;
+    const bb_status status = bb_device_has_room(device, total, scene->name);
+    return status == BB_OK
+               ? BB_OK
+               : bb_fail(status, "%s: take a smaller scene or another device", bb_message());
 }
 
 static uint64_t vertex_bytes(const bb_scene *scene)
