@@ -155,15 +155,37 @@ static void says(const char *arguments, int exit_status, const char *words)
         fail_msg("%s: exit %d: %s", arguments, o->exit_status, o->err);
 }
 
-/* What prints as it goes, or does nothing without the builder, is not begun again. */
-static void commands_that_cannot_go_on_say_who_died(void **state)
+/* What does nothing without the builder is not begun again. */
+static void a_command_that_cannot_go_on_says_who_died(void **state)
 {
     (void)state;
     static const char words[] =
         "bvhbench: sphere-mesh:n=8: wreck:how=exit0: wreck died in build(): it called exit(0)\n";
-    says("check --scene sphere-mesh:n=8 --builder wreck:how=exit0 --quiet " WRECK, 1, words);
     says("render --scene sphere-mesh:n=8 --builder wreck:how=exit0 --out died.png " WRECK, 1,
          words);
+}
+
+static uint32_t lines_with(const char *text, const char *words)
+{
+    uint32_t count = 0;
+    while ((text = strstr(text, words)) != NULL) {
+        text += strlen(words);
+        count++;
+    }
+    return count;
+}
+
+/* It prints as it goes: each line once, whatever was done again. */
+static void a_check_goes_on_without_who_died(void **state)
+{
+    (void)state;
+    const outcome *o = run("check --scene sphere-mesh:n=8,cube --builder lbvh,wreck:how=exit0,sah "
+                           "--quiet --side 6 " WRECK);
+    assert_int_equal(o->exit_status, 1);
+    if (lines_with(o->out, "\nok ") != 4 || lines_with(o->out, "\nFAILED ") != 2 ||
+        lines_with(o->out, "wreck died in build(): it called exit(0)") != 2 ||
+        strstr(o->out, "builders: 3, scenes: 2; 6 trees checked, 2 checks failed") == NULL)
+        fail_msg("%s%s", o->out, o->err);
 }
 
 static void a_constructor_that_ends_the_program_is_refused(void **state)
@@ -339,7 +361,8 @@ int main(void)
         cmocka_unit_test(after_three_scenes_it_is_not_started_again),
         cmocka_unit_test(other_commands_go_on_too),
         cmocka_unit_test(a_kernel_that_hangs_costs_its_cells),
-        cmocka_unit_test(commands_that_cannot_go_on_say_who_died),
+        cmocka_unit_test(a_check_goes_on_without_who_died),
+        cmocka_unit_test(a_command_that_cannot_go_on_says_who_died),
         cmocka_unit_test(a_constructor_that_ends_the_program_is_refused),
         cmocka_unit_test(a_death_outside_of_hooks_costs_the_suspect),
         cmocka_unit_test(the_exit_status_is_ours),

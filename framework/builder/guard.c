@@ -29,6 +29,7 @@ typedef struct page {
     atomic_uint patience; /* seconds */
     _Atomic double since; /* a hook began, by bb_wall_ms(); 0: there is none */
     char scene[SCENE], row[ROW], who[WHO], hook[HOOK]; /* the last hook */
+    uint32_t said;                                     /* lines of output */
     uint32_t death_count, suspects;                    /* suspects: deaths outside of hooks */
     death deaths[BB_DEATHS_MAX];
 } page;
@@ -75,6 +76,15 @@ void bb_guard_leave(void)
 {
     if (shared != NULL)
         atomic_store(&shared->since, 0.0);
+}
+
+bool bb_guard_said(void)
+{
+    static uint32_t count; /* by this process */
+    if (shared == NULL || ++count <= shared->said)
+        return shared != NULL;
+    shared->said = count;
+    return false;
 }
 
 const char *bb_guard_death(bb_guarded whose)

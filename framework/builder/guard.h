@@ -42,6 +42,9 @@ void bb_guard_enter(bb_guarded whose, const char *who, const char *hook);
 void bb_guard_leave(void);
 /* A kernel is launched once more between the two: its patience begins anew. */
 void bb_guard_alive(void);
+/* Counts a line of output. Returns whether a process before this one, which died, has printed it:
+ * for commands that print as they go. */
+bool bb_guard_said(void);
 /* Returns how the row died, as "WHO died in HOOK(): how", if it did at this scene, at none, or at
  * three others, else NULL. The text stays until the process ends. */
 const char *bb_guard_death(bb_guarded whose);

@@ -102,8 +102,8 @@ typedef struct bb_command {
      * and the message. */
     bb_status (*run)(const bb_cli *cli, void *values, int *exit_status);
     void (*release)(void *values); /* called after run(), whatever it returned; NULL: nothing */
-    /* It writes nothing before all is measured: after the death of a builder it is run again
-     * without it (framework/builder/guard.h). */
+    /* It writes nothing before all is measured, or asks bb_guard_said(): after the death of a
+     * builder it is run again without it (framework/builder/guard.h). */
     bool goes_on;
 } bb_command;
 

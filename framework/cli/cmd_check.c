@@ -4,6 +4,7 @@
  * rightly: by every kernel as by brute force, bit for bit. */
 #include "framework/base/progress.h"
 #include "framework/bench/conformance.h"
+#include "framework/builder/guard.h"
 #include "framework/cli/choice.h"
 #include "framework/cli/watchdog.h"
 #include "framework/device/device_private.h"
@@ -111,6 +112,8 @@ static const bb_cli_option options[] = {
 static void say(check *c, const char *word, const char *scene, const char *builder,
                 const char *text)
 {
+    if (bb_guard_said())
+        return;
     bb_progress_end(&c->progress);
     printf(TABLE_LINE, word, scene, builder, text);
     fflush(stdout);
@@ -345,7 +348,9 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
     BB_TRY(bb_choose_scenes(&c->scenes, default_scenes));
     BB_TRY(open_devices(c));
     BB_TRY(try_builders(c));
-    printf("%s\n", c->devices[0]->name); /* before all else */
+    if (!bb_guard_said())
+        printf("%s\n", c->devices[0]->name); /* before all else */
+    fflush(stdout);
     bb_progress_start(&c->progress, c->quiet);
     BB_TRY(check_all(c));
     say_compiling(c);
@@ -374,4 +379,5 @@ const bb_command bb_command_check = {
     .bytes = sizeof(check),
     .run = run,
     .release = release,
+    .goes_on = true,
 };

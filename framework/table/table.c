@@ -12,71 +12,12 @@
 const char *const bb_dimension_names[BB_DIMENSIONS] = {
     "run", "scene", "frame", "question", "view", "builder", "kernel", "maker", "intersector"};
 
-/* ---- indexes ---- */
+/* ---- names ---- */
 
 static uint64_t hash_of(const char *text)
 {
     return XXH3_64bits(text, strlen(text));
 }
-
-static void put_in_slot(bb_index *index, uint64_t hash, uint32_t item)
-{
-    uint32_t at = (uint32_t)hash & (index->size - 1);
-    while (index->slots[at].item != 0)
-        at = (at + 1) & (index->size - 1);
-    index->slots[at].hash = hash;
-    index->slots[at].item = item;
-}
-
-static bool grow_index(bb_index *index)
-{
-    bb_index larger = {.size = index->size > 0 ? 2 * index->size : 16, .count = index->count};
-    larger.slots = calloc(larger.size, sizeof *larger.slots);
-    if (larger.slots == NULL)
-        return false;
-    for (uint32_t i = 0; i < index->size; i++)
-        if (index->slots[i].item != 0)
-            put_in_slot(&larger, index->slots[i].hash, index->slots[i].item);
-    free(index->slots);
-    *index = larger;
-    return true;
-}
-
-/* Items are numbered in the order in which they are added. */
-static bool add_to_index(bb_index *index, uint64_t hash)
-{
-    if (2 * (index->count + 1) > index->size && !grow_index(index))
-        return false;
-    put_in_slot(index, hash, ++index->count);
-    return true;
-}
-
-/* The next item of that hash, from *at on; UINT32_MAX: no more. */
-static uint32_t next_item(const bb_index *index, uint64_t hash, uint32_t *at)
-{
-    while (index->size > 0 && index->slots[*at & (index->size - 1)].item != 0) {
-        const struct bb_index_slot *slot = &index->slots[(*at)++ & (index->size - 1)];
-        if (slot->hash == hash)
-            return slot->item - 1;
-    }
-    return UINT32_MAX;
-}
-
-/* Room in *array for the item that its index gets next: arrays double at powers of 2. */
-static bool reserve(void *array, const bb_index *index, size_t item)
-{
-    void **items = array;
-    if (index->count > 0 && (index->count & (index->count - 1)) != 0)
-        return true;
-    const size_t room = index->count > 0 ? 2 * (size_t)index->count : 1;
-    void *larger = realloc(*items, room * item);
-    if (larger == NULL)
-        return false;
-    *items = larger;
-    return true;
-}
-
-/* ---- names ---- */
 
 bool bb_is_table_word(const char *text)
 {
@@ -97,7 +38,7 @@ static const char *find_name(const bb_table *table, const char *text)
 {
     const uint64_t hash = hash_of(text);
     for (uint32_t at = (uint32_t)hash, item;
-         (item = next_item(&table->name_index, hash, &at)) != UINT32_MAX;)
+         (item = bb_index_next(&table->name_index, hash, &at)) != UINT32_MAX;)
         if (strcmp(table->names[item], text) == 0)
             return table->names[item];
     return NULL;
@@ -128,8 +69,9 @@ const char *bb_table_intern(bb_table *table, const char *text)
     const char *known = find_text(table, text, &name);
     if (known != NULL)
         return known;
-    if (name == NULL || !reserve(&table->names, &table->name_index, sizeof *table->names) ||
-        !add_to_index(&table->name_index, hash_of(name))) {
+    if (name == NULL ||
+        !bb_index_reserve(&table->names, &table->name_index, sizeof *table->names) ||
+        !bb_index_add(&table->name_index, hash_of(name))) {
         free(name);
         run_out(table);
         return NULL;
@@ -198,7 +140,7 @@ static uint32_t find_row(const bb_table *table, const bb_cell *interned)
 {
     const uint64_t hash = XXH3_64bits(interned, sizeof *interned);
     for (uint32_t at = (uint32_t)hash, row;
-         (row = next_item(&table->row_index, hash, &at)) != UINT32_MAX;)
+         (row = bb_index_next(&table->row_index, hash, &at)) != UINT32_MAX;)
         if (memcmp(&table->rows[row], interned, sizeof *interned) == 0)
             return row;
     return BB_NO_ROW;
@@ -213,8 +155,8 @@ uint32_t bb_table_row(bb_table *table, bb_cell cell)
     const uint32_t known = find_row(table, &cell);
     if (known != BB_NO_ROW)
         return known;
-    if (!reserve(&table->rows, &table->row_index, sizeof *table->rows) ||
-        !add_to_index(&table->row_index, XXH3_64bits(&cell, sizeof cell))) {
+    if (!bb_index_reserve(&table->rows, &table->row_index, sizeof *table->rows) ||
+        !bb_index_add(&table->row_index, XXH3_64bits(&cell, sizeof cell))) {
         run_out(table);
         return BB_NO_ROW;
     }
@@ -260,7 +202,7 @@ uint32_t bb_table_column_index(const bb_table *table, const char *name)
 {
     const uint64_t hash = hash_of(name);
     for (uint32_t at = (uint32_t)hash, item;
-         (item = next_item(&table->column_index, hash, &at)) != UINT32_MAX;)
+         (item = bb_index_next(&table->column_index, hash, &at)) != UINT32_MAX;)
         if (strcmp(table->columns[item].column->name, name) == 0)
             return item;
     return UINT32_MAX;
@@ -302,8 +244,8 @@ static void blame(bb_table *table, const bb_column *column, const char *fault)
 
 static bb_stored_column *take_over(bb_table *table, const bb_column *column)
 {
-    if (!reserve(&table->columns, &table->column_index, sizeof *table->columns) ||
-        !add_to_index(&table->column_index, hash_of(column->name))) {
+    if (!bb_index_reserve(&table->columns, &table->column_index, sizeof *table->columns) ||
+        !bb_index_add(&table->column_index, hash_of(column->name))) {
         run_out(table);
         return NULL;
     }

@@ -2,21 +2,13 @@
 #ifndef BB_TABLE_PRIVATE_H
 #define BB_TABLE_PRIVATE_H
 
+#include "framework/table/index.h"
 #include "framework/table/table.h"
 
 #define BB_TABLE_SCHEMA "bvhbench-table/1"
 
 /* Words of files, by the enums of table.h. */
 extern const char *const bb_kind_words[], *const bb_sense_words[], *const bb_better_words[];
-
-/* Hashes of items, by open addressing. */
-typedef struct bb_index {
-    struct bb_index_slot {
-        uint64_t hash;
-        uint32_t item; /* its number + 1; 0: the slot is free */
-    } * slots;
-    uint32_t size, count; /* of slots, a power of 2; of items */
-} bb_index;
 
 typedef union bb_value {
     double number;      /* NAN: none */
