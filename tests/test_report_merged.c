@@ -159,7 +159,7 @@ static void csv_and_json_do_not_steer(void **state)
     static char file[1 << 16];
     read_file("steer.json", file, sizeof file);
     assert_non_null(strstr(file, "\"a\\u001b[2J\\u009b\\u202e card,\\n\\\"b\\\"\""));
-    expect(0, "report steer.json --table", "a?[2J?? card");
+    expect(0, "report steer.json --table", "a?[2J??");
 }
 
 int main(void)
