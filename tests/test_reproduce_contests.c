@@ -83,11 +83,12 @@ static void octrees_of_tetrahedra(void **state)
     static const char *const yes[] = {"held", "held", "held", "held", "held", "held", "held", NULL};
     static const char *const no[] = {"not held", "not held", "not held", "not held",
                                      "not held", "not held", "not held", NULL};
-    static const char *const mixed[] = {"held",     "not held", "held", "not held",
-                                        "not held", "held",     "held", NULL};
+    static const char *const mixed[] = {"held",           "not held", "held", "not held",
+                                        "direction only", "held",     "held", NULL};
     add_meshes((double[]){20, 8, 5}, (uint64_t[]){900, 300, 100}, (double[]){40, 30, 15}, yes);
-    add_meshes((double[]){9, 30, 30}, (uint64_t[]){1100, 600, 500}, (double[]){60, 40, 25}, no);
-    /* less than half, but no less with alpha 2; one of two alphas; one task */
+    add_meshes((double[]){9, 30, 30}, (uint64_t[]){1100, 1200, 1300}, (double[]){110, 120, 130},
+               no);
+    /* as little as claimed, but no less with alpha 2; one of two alphas; one task not as fast */
     add_meshes((double[]){20, 30, 5}, (uint64_t[]){900, 300, 300}, (double[]){60, 30, 15}, mixed);
 }
 
@@ -137,7 +138,7 @@ static void sparse_volumes(void **state)
         {1, 0.3, 80, 85}, {8, 4, 60, 70}, {64, 48, 30, 45}, {1, 0.3, 120, 125}};
     /* half as fast per voxel; the vote's share falls; the picture gains less */
     static const volume bad[] = {
-        {1, 0.9, 30, 35}, {8, 6, 60, 70}, {128, 64, 80, 95}, {1, 0.3, 80, 85}};
+        {1, 0.9, 30, 35}, {8, 6, 60, 70}, {128, 64, 80, 105}, {1, 0.3, 80, 85}};
     add_volumes(good, yes);
     add_volumes(bad, no);
 }

@@ -128,7 +128,7 @@ static void a_shuffle_decides(void **state)
     const times t[BB_DYNAMIC_METHODS] = {
         [REBUILD] = {100, 40},  [REBUILD_SHUFFLED] = {100, 19},
         [UPDATE] = {1, 44},     [UPDATE_SHUFFLED] = {1, 20},
-        [LOOSEN] = {2, 15},     [LOOSEN_CUBE] = {2, 10},
+        [LOOSEN] = {2, 5},      [LOOSEN_CUBE] = {2, 10},
         [LOOSEN_NOW] = {2, 10}, [LINEAR] = {3, 12},
     };
     made_up *d = make(t, 30);
@@ -150,10 +150,10 @@ static void slow_updates_are_told(void **state)
     const times t[BB_DYNAMIC_METHODS] = {
         [REBUILD] = {100, 40},  [REBUILD_SHUFFLED] = {100, 40},
         [UPDATE] = {50, 40},    [UPDATE_SHUFFLED] = {110, 60},
-        [LOOSEN] = {40, 80},    [LOOSEN_CUBE] = {2, 10},
+        [LOOSEN] = {110, 80},   [LOOSEN_CUBE] = {2, 10},
         [LOOSEN_NOW] = {2, 10}, [LINEAR] = {3, 12},
     };
-    made_up *d = make(t, 1.5);
+    made_up *d = make(t, 0.9);
     for (int round = 0; round <= ROUNDS; round++) /* one frame takes four times as long */
         d->scenes[BB_DYNAMIC_FALL].methods[LOOSEN].frames[2].update[round] *= 4;
     bb_results *results = new_results();
@@ -177,7 +177,7 @@ static void few_rounds_tell_no_evenness(void **state)
     for (int s = 0; s < BB_DYNAMIC_SCENES; s++)
         d->scenes[s].rounds = 2;
     bb_results *results = new_results();
-    assert_string_equal(verdict_with(evaluate(d, results), even), "undecided: too few rounds");
+    assert_string_equal(verdict_with(evaluate(d, results), even), "cannot be told: too few rounds");
     bb_results_destroy(results);
     release(d);
 }

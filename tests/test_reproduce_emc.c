@@ -175,9 +175,9 @@ static void few_rounds_decide_costs_alone(void **state)
     rounds = 3;
     const cJSON *r = reproduce_with(results, methods);
     rounds = 7;
-    assert_string_equal(verdict_with(r, "faster with PLOC"), "undecided: too few rounds");
+    assert_string_equal(verdict_with(r, "faster with PLOC"), "cannot be told: too few rounds");
     assert_string_equal(cJSON_GetStringValue(cell_of(table_with(r, "time per random"), "PLOC", 6)),
-                        "undecided: too few rounds");
+                        "cannot be told: too few rounds");
     assert_true(cJSON_IsTrue(claim_with(r, "lowers the cost of PLOC")));
     bb_results_destroy(results);
 }
@@ -258,7 +258,7 @@ static void every_scene_is_asked_for(void **state)
             all[e] = findings_of(results, 0);
         const cJSON *r = reproduce("emc", all, results);
         assert_string_equal(verdict_with(r, "Size bits lower the cost on every scene"),
-                            measured == 2 ? "held" : "cannot be tested here");
+                            measured == 2 ? "held" : "cannot be told: not measured here");
         bb_results_destroy(results);
     }
 }

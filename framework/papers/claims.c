@@ -9,6 +9,7 @@ typedef struct trial {
     const bb_paper_claim *claim;
     bb_paper_place at;
     bb_claim_verdict verdict;
+    bb_words *claimed; /* beside what was measured */
 } trial;
 
 static bool is_meant(const bb_paper_claim *claim, uint32_t row)
@@ -48,28 +49,42 @@ static bb_paper_series elements_of(const trial *t, const bb_figure *figure)
 
 /* ---- tests ---- */
 
-/* The number of scene i in `bounds`, if there are any. */
-static double bound_of(const trial *t, const bb_test *test, bb_paper_place at, size_t i)
+static double bound_of(const trial *t, const bb_test *test, bb_paper_place at)
 {
-    if (test->than != 0) {
-        at.scene = NULL;
-        return bb_value_at(at, t->claim->figures[test->than - 1]);
-    }
-    return test->paper != NULL ? test->bound * test->paper[i].numbers[0] : test->bound;
+    at.scene = NULL;
+    return test->than == 0 ? test->bound : bb_value_at(at, t->claim->figures[test->than - 1]);
+}
+
+/* What is claimed of element i; 0: no size. */
+static double claimed_of(const bb_test *test, size_t i)
+{
+    return test->paper != NULL ? test->paper[i].numbers[test->number] : test->claimed;
 }
 
 static bb_claim_verdict test_at(const trial *t, const bb_test *test, bb_paper_place at, size_t i,
                                 bb_estimate e, bool timed)
 {
-    return bb_verdict_at(e, timed && !test->untimed, test->side, bound_of(t, test, at, i),
-                         test->most);
+    return bb_verdict_at(e, timed && !test->untimed, test->side, bound_of(t, test, at),
+                         claimed_of(test, i));
+}
+
+/* The same, and says what was claimed. */
+static bb_claim_verdict judge_at(const trial *t, const bb_test *test, bb_paper_place at, size_t i,
+                                 bb_estimate e, bool timed)
+{
+    const char *where = t->claim->together && at.row != NULL && !t->claim->of_scenes ? at.row->name
+                        : at.scene != NULL                                           ? at.scene
+                                                                                     : "";
+    if (claimed_of(test, i) != 0)
+        bb_say_claimed(t->claimed, where, claimed_of(test, i), e);
+    return test_at(t, test, at, i, e, timed);
 }
 
 static bb_claim_verdict test_each(const trial *t, const bb_test *test, const bb_paper_series *s)
 {
     bb_claim_verdict each[BB_SERIES_MAX];
     for (size_t i = 0; i < s->count; i++)
-        each[i] = test_at(t, test, s->places[i], i, s->each[i], s->timed);
+        each[i] = judge_at(t, test, s->places[i], i, s->each[i], s->timed);
     return test->over == BB_EACH ? bb_all(each, s->count) : bb_most(each, s->count);
 }
 
@@ -90,7 +105,7 @@ static bb_claim_verdict run_test(const trial *t, const bb_test *test)
         return test_each(t, test, &s);
     if (test->over == BB_MORE)
         return test_more(test, &s);
-    return test_at(t, test, t->at, 0, s.mean, s.timed);
+    return judge_at(t, test, t->at, 0, s.mean, s.timed);
 }
 
 static uint32_t count_of(const bb_paper_claim *claim)
@@ -151,8 +166,7 @@ static void say_one(const trial *t, const bb_saying *saying, bb_paper_place at, 
 static void say(const trial *t, const bb_saying *sayings, bool why, bb_words *words)
 {
     for (const bb_saying *s = sayings; s->text != NULL; s++) {
-        if ((why && !s->always && t->verdict == BB_HELD) ||
-            (s->verdict != 0 && t->verdict != (bb_claim_verdict)(s->verdict - 1)))
+        if (why && !s->always && t->verdict == BB_HELD)
             continue;
         if (!s->each) {
             say_one(t, s, t->at, 0, words);
@@ -170,7 +184,7 @@ static void add_claim(const bb_paper_claim *claim, bb_paper_place at, bb_reprodu
 {
     bb_words text = {0};
     bb_said said = {.verdict = BB_NOT_TESTED};
-    trial t = {claim, at, BB_NOT_TESTED};
+    trial t = {claim, at, BB_NOT_TESTED, &said.claimed};
     if (claim->figures[0] != NULL)
         said.verdict = t.verdict = run_tests(&t);
     if (at.row == NULL || !bb_say_missing(at.row->builder, &said.why)) {
@@ -180,7 +194,7 @@ static void add_claim(const bb_paper_claim *claim, bb_paper_place at, bb_reprodu
     if (claim->judge != NULL)
         claim->judge(at, &said);
     bb_say_text(&text, claim->text, at, claim->figures);
-    bb_claim(r, said.verdict, text.text, claim->paper, &said.ours, &said.why);
+    bb_claim(r, text.text, claim->paper, &said);
 }
 
 void bb_paper_add_claims(const bb_paper_claim *claims, const bb_findings *all, bb_reproduction *r)

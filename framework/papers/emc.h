@@ -61,8 +61,6 @@ extern const bb_paper_entrant bb_emc_ingredients[];
 /* Codes and the plain ones of equal length, as bases. */
 enum { EMC_EQUAL_CELL64 = 2, EMC_EQUALS = 5 };
 extern const bb_paper_entrant bb_emc_equals[EMC_EQUALS + 1];
-/* What the ratio of their build times is to be at most. */
-#define EMC_BUILD_TARGET 1.05
 
 /* Of a row's EMC-64-var over its plain code, and of its plain code over LBVH's: cost, then counted
  * work and time per ray of each kind, and the build. Means of times are geometric. */

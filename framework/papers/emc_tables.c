@@ -149,14 +149,14 @@ static double build_target(bb_paper_place at, const bb_figure *figure)
 {
     (void)at;
     (void)figure;
-    return EMC_BUILD_TARGET;
+    return 1 + BB_CLAIM_MARGIN;
 }
 
 static void say_within(bb_paper_place at, const bb_figure *figure, bb_words *words)
 {
     bool timed;
     const bb_estimate e = bb_figure_at(at, figure, &timed);
-    const bb_claim_verdict within = bb_verdict_at(e, true, BB_BELOW, EMC_BUILD_TARGET, 0);
+    const bb_claim_verdict within = bb_verdict_at(e, true, BB_AT_MOST, 0, 1);
     bb_say(words, "%s",
            within == BB_HELD       ? "yes"
            : within == BB_NOT_HELD ? "no"
@@ -380,7 +380,7 @@ static void say_which(bb_paper_place at, const bb_figure *figure, bb_words *word
            : high < 1 - margin ? "lower"
            : low > 1 + margin  ? "higher"
            : exact             ? "the same"
-                               : "undecided");
+                               : bb_verdict_words(BB_OPEN));
     if (!isnan(low))
         bb_say(words, " (%u of %u scenes lower, %u higher)", lower, count, higher);
 }

@@ -138,6 +138,9 @@ typedef struct bb_words {
 } bb_words;
 __attribute__((format(printf, 2, 3))) void bb_say(bb_words *words, const char *format, ...);
 
+/* "claimed 8, here 5.20 [95 %: 5.10 to 5.30]", after "; " if there is something before it. */
+void bb_say_claimed(bb_words *words, const char *where, double claimed, bb_estimate here);
+
 /* "1.20 [95 %: 1.10 to 1.30]", with the range, or without brackets, where there is no interval. */
 void bb_say_estimate(bb_words *words, bb_estimate e);
 
@@ -159,6 +162,7 @@ void bb_say_text(bb_words *words, const char *text, bb_paper_place at,
 /* In rising order of what decides over several that are to hold together. */
 typedef enum bb_claim_verdict {
     BB_HELD,
+    BB_DIRECTION,      /* on the right side, but not as far as claimed */
     BB_OPEN,           /* an interval reaches to both sides */
     BB_TOO_FEW_ROUNDS, /* for an interval */
     BB_NOT_TESTED,     /* a figure is missing */
@@ -171,17 +175,23 @@ typedef enum bb_test_side {
     BB_ABOVE,
     BB_AT_MOST,
     BB_AT_LEAST,
-    BB_WITHIN
+    BB_EQUAL
 } bb_test_side;
 
-/* Where a figure is: of times, the whole interval decides. `most`: of BB_WITHIN. */
+/* What a figure may fall short of the claimed one and still holds: so much of it. */
+#define BB_CLAIM_MARGIN 0.05
+
+/* Where a figure is: of times, the whole interval decides. It holds if it is at `claimed` or
+ * beyond, by BB_CLAIM_MARGIN; else it is on the right side of `bound`, BB_DIRECTION, or not. With
+ * `claimed` 0 the side is all that is claimed, and the bound decides without a margin; with `bound`
+ * 0 there is no right side. BB_EQUAL is at `claimed`, with the margin on both sides. */
 bb_claim_verdict bb_verdict_at(bb_estimate e, bool timed, bb_test_side side, double bound,
-                               double most);
+                               double claimed);
 /* All together; BB_NOT_TESTED for none. */
 bb_claim_verdict bb_all(const bb_claim_verdict *each, size_t count);
 /* More than half of those that were tested. */
 bb_claim_verdict bb_most(const bb_claim_verdict *each, size_t count);
-/* As the record says it: "held", "undecided: too few rounds" ... */
+/* As the record says it: "held", "cannot be told: too few rounds" ... */
 const char *bb_verdict_words(bb_claim_verdict verdict);
 
 /* ---- claims ---- */
@@ -194,10 +204,11 @@ typedef struct bb_test {
     int figure; /* of the claim */
     bb_over over;
     bb_test_side side;
-    double bound, most;
-    int than; /* the bound is the mean of figure than - 1; 0: it is `bound` */
-    const struct bb_paper_numbers *paper; /* `bound` times the first number of each scene's */
-    bool untimed;                         /* the medians decide */
+    double bound, claimed; /* see bb_verdict_at() */
+    int than;              /* the bound is the mean of figure than - 1; 0: it is `bound` */
+    const struct bb_paper_numbers *paper; /* what is claimed of each scene: its number `number` */
+    int number;
+    bool untimed; /* the medians decide */
 } bb_test;
 
 /* A piece of what is said of a claim, after "; " if there is something before it. */
@@ -209,24 +220,24 @@ typedef struct bb_saying {
     bool always;         /* of `why`: else only if the claim did not hold */
     bool unless;         /* not where all tests hold */
     int unless_test;     /* not where test unless_test - 1 holds */
-    int verdict;         /* only if the verdict is verdict - 1 */
     const bb_test *when; /* only where this holds; NULL: everywhere */
     const char *also;    /* what follows where `also_when` holds */
     const bb_test *also_when;
 } bb_saying;
 
-/* What is said of a claim: the figures, those that say why, and what follows. */
+/* What is said of a claim: what is claimed beside what was measured, the figures, those that say
+ * why, and what follows. */
 typedef struct bb_said {
-    bb_words ours, why;
+    bb_words claimed, ours, why;
     bb_claim_verdict verdict;
 } bb_said;
 
 enum { BB_CLAIM_FIGURES = 10, BB_CLAIM_TESTS = 5, BB_CLAIM_SAYINGS = 6 };
 
 typedef struct bb_paper_claim {
-    const char *text;  /* the paper's statement, shortened, with any threshold; as bb_say_text() */
-    const char *paper; /* its figures; "": none */
-    int of;            /* experiment: that of its figures */
+    const char *text;             /* the paper's statement, shortened; as bb_say_text() */
+    const char *paper;            /* its figures; "": none */
+    int of;                       /* experiment: that of its figures */
     const bb_paper_entrant *rows; /* said of each of them; NULL: of none */
     uint32_t which;               /* of the rows, by bits; 0: all */
     bool together;                /* one claim on all rows, which stand for its scenes */
@@ -244,6 +255,10 @@ typedef struct bb_paper_claim {
 #define BB_TEST(figure_, side_, bound_)                                                            \
     {                                                                                              \
         .figure = figure_, .side = side_, .bound = bound_                                          \
+    }
+#define BB_TEST_CLAIMED(figure_, side_, bound_, claimed_)                                          \
+    {                                                                                              \
+        .figure = figure_, .side = side_, .bound = bound_, .claimed = claimed_                     \
     }
 #define BB_TEST_EACH(figure_, side_, bound_)                                                       \
     {                                                                                              \

@@ -123,10 +123,8 @@ void bb_paper_text(bb_reproduction *r, const char *text);
 /* Rounded to so many decimals; NAN becomes an empty cell. */
 void bb_paper_number(bb_reproduction *r, double value, int decimals);
 
-/* Adds a claim: the paper's statement, shortened, with any threshold that `verdict` rests on; the
- * paper's figures ("" for none), ours, and figures of the same run that say why ("": none). The
- * record has the verdict as held, not held, or undecided with the reason. */
-void bb_claim(bb_reproduction *r, bb_claim_verdict verdict, const char *claim, const char *paper,
-              const bb_words *ours, const bb_words *why);
+/* Adds a claim: the paper's statement, shortened; the paper's figures ("" for none); and what is
+ * said of it here. */
+void bb_claim(bb_reproduction *r, const char *claim, const char *paper, const bb_said *said);
 
 #endif

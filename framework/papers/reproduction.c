@@ -54,16 +54,16 @@ void bb_paper_number(bb_reproduction *r, double value, int decimals)
     put_cell(r, NULL, round(value * scale) / scale);
 }
 
-void bb_claim(bb_reproduction *r, bb_claim_verdict verdict, const char *claim, const char *paper,
-              const bb_words *ours, const bb_words *why)
+void bb_claim(bb_reproduction *r, const char *claim, const char *paper, const bb_said *said)
 {
-    const bool decided = verdict == BB_HELD || verdict == BB_NOT_HELD;
+    const bool decided = said->verdict == BB_HELD || said->verdict == BB_NOT_HELD;
     const bb_claim_record record = {.claim = claim,
-                                    .verdict = bb_verdict_words(verdict),
+                                    .verdict = bb_verdict_words(said->verdict),
                                     .paper = paper,
-                                    .ours = ours->text,
-                                    .why = why->text,
-                                    .held = decided ? verdict == BB_HELD : -1};
+                                    .claimed = said->claimed.text,
+                                    .ours = said->ours.text,
+                                    .why = said->why.text,
+                                    .held = decided ? said->verdict == BB_HELD : -1};
     note(r, bb_results_add_claim(r->results, r->paper, &record));
 }
 
@@ -132,14 +132,17 @@ static const bb_entry *show_table(const bb_entry *row, bb_page *page)
 }
 
 /* How a claim is counted. */
-enum { HELD, NOT_HELD, UNDECIDED, UNTESTED, KINDS };
+enum { HELD, DIRECTION, NOT_HELD, UNTOLD, KINDS };
 
 static int kind_of(const bb_entry *claim)
 {
-    return bb_get_true(claim, BB_F_CLAIM_HELD)                                    ? HELD
-           : bb_get_text(claim, BB_F_CLAIM_HELD)[0] != '\0'                       ? NOT_HELD
-           : strncmp(bb_get_text(claim, BB_F_CLAIM_VERDICT), "undecided", 9) == 0 ? UNDECIDED
-                                                                                  : UNTESTED;
+    static const bb_claim_verdict verdicts[] = {
+        [HELD] = BB_HELD, [DIRECTION] = BB_DIRECTION, [NOT_HELD] = BB_NOT_HELD};
+    int kind = HELD;
+    while (kind < UNTOLD &&
+           strcmp(bb_get_text(claim, BB_F_CLAIM_VERDICT), bb_verdict_words(verdicts[kind])) != 0)
+        kind++;
+    return kind;
 }
 
 static void show_line(bb_page *page, const char *label, const char *text)
@@ -150,12 +153,11 @@ static void show_line(bb_page *page, const char *label, const char *text)
 
 static void show_claim(const bb_entry *claim, bb_page *page)
 {
-    const char *const verdicts[KINDS] = {"held", "DID NOT HOLD",
-                                         bb_get_text(claim, BB_F_CLAIM_VERDICT),
-                                         bb_verdict_words(BB_NOT_TESTED)};
+    const char *verdict = bb_get_text(claim, BB_F_CLAIM_VERDICT);
     bb_page_heading(page, bb_get_text(claim, BB_F_CLAIM_CLAIM));
-    bb_page_say(page, "%s", verdicts[kind_of(claim)]);
+    bb_page_say(page, "%s", kind_of(claim) == NOT_HELD ? "DID NOT HOLD" : verdict);
     show_line(page, "paper", bb_get_text(claim, BB_F_CLAIM_PAPER));
+    show_line(page, "figures", bb_get_text(claim, BB_F_CLAIM_CLAIMED));
     show_line(page, "here", bb_get_text(claim, BB_F_CLAIM_OURS));
     show_line(page, "why", bb_get_text(claim, BB_F_CLAIM_WHY));
 }
@@ -164,8 +166,11 @@ static void show_claims(const bb_entry *paper, bb_page *page)
 {
     int counts[KINDS] = {0};
     bb_each_part(claim, paper, BB_F_CLAIM_VERDICT) counts[kind_of(claim)]++;
-    bb_page_say(page, "claims: %d held, %d did not hold, %d undecided, %d cannot be tested here",
-                counts[HELD], counts[NOT_HELD], counts[UNDECIDED], counts[UNTESTED]);
+    bb_page_say(page,
+                "claims: %d held (the paper's own figure is reached, by %g %%), %d in direction "
+                "only, %d did not hold, %d cannot be told here",
+                counts[HELD], 100 * BB_CLAIM_MARGIN, counts[DIRECTION], counts[NOT_HELD],
+                counts[UNTOLD]);
     bb_each_part(claim, paper, BB_F_CLAIM_VERDICT) show_claim(claim, page);
 }
 

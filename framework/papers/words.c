@@ -21,6 +21,13 @@ void bb_say(bb_words *words, const char *format, ...)
         memcpy(words->text + words->length - 3, "...", 3);
 }
 
+void bb_say_claimed(bb_words *words, const char *where, double claimed, bb_estimate here)
+{
+    bb_say(words, "%s%s%sclaimed %.4g, here ", words->length > 0 ? "; " : "", where,
+           where[0] != '\0' ? ": " : "", claimed);
+    bb_say_estimate(words, here);
+}
+
 void bb_say_estimate(bb_words *words, bb_estimate e)
 {
     if (isnan(e.value))

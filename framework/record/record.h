@@ -133,8 +133,10 @@ typedef struct bb_prediction_record {
 
 /* What a paper says, and whether it holds here. */
 typedef struct bb_claim_record {
-    const char *claim, *verdict, *paper, *ours, *why;
-    int held; /* 1, 0; -1: not decided */
+    const char *claim, *verdict, *paper;
+    const char *claimed; /* figures beside those measured; NULL or "": none */
+    const char *ours, *why;
+    int held; /* 1, 0; -1: in direction only, or not decided */
 } bb_claim_record;
 
 /* Empty records: every figure "not measured", status ok. */

@@ -32,6 +32,7 @@ bb_status bb_results_add_claim(bb_results *results, const char *paper, const bb_
         bb_put_flag(entry, BB_F_CLAIM_HELD, claim->held == 1);
     bb_put_text(entry, BB_F_CLAIM_VERDICT, claim->verdict);
     bb_put_text(entry, BB_F_CLAIM_PAPER, claim->paper);
+    bb_put_text(entry, BB_F_CLAIM_CLAIMED, claim->claimed);
     bb_put_text(entry, BB_F_CLAIM_OURS, claim->ours);
     bb_put_text(entry, BB_F_CLAIM_WHY, claim->why);
     return entry != NULL ? bb_table_status(results->table) : results->status;

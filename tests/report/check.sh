@@ -90,8 +90,8 @@ has 'Time per ray against SAH and EPO, the best mix: 60 marks' 1 # primary: 5 tr
 has '>alpha [range]<' 1
 has '✓ held' 1
 has '✗ not held' 1
-has '? undecided: too few rounds' 1
-has '? not tested' 1
+has '? cannot be told: too few rounds' 1
+has '~ direction only' 1
 has '>Mrays/s [95 %]<' 1                # of coffee's 6 rounds; of interior's 3 a range
 has '>Build ms [95 %]<' 1
 has '] range</td>' 75                   # 68 traces and 7 builds; of spheres' one round nothing

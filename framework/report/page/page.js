@@ -37,14 +37,14 @@ function head() {
 }
 
 /* ---- papers reproduced ---- */
-const marks = { true: ['held', '\u2713'], false: ['failed', '\u2717'], null: ['open', '?'] };
+const marks = { held: ['held', '\u2713'], 'direction only': ['open', '~'], 'not held': ['failed', '\u2717'] };
 
 /* As in the record: numbers, texts, or nothing. */
 const entry = value => typeof value === 'number' ? figure(value) : value ?? dash;
 
 function claimItem(claim) {
-  const [css, mark] = marks[claim.held ?? null];
-  const details = [['Paper', claim.paper], ['Here', claim.ours], ['Why', claim.why]].filter(([, value]) => (value ?? '') !== '');
+  const [css, mark] = marks[claim.verdict] || ['open', '?'];
+  const details = [['Paper', claim.paper], ['Figures', claim.claimed], ['Here', claim.ours], ['Why', claim.why]].filter(([, value]) => (value ?? '') !== '');
   return el('li', {}, el('span', { class: `verdict ${css}` }, `${mark} ${claim.verdict}`), ' ', String(claim.claim),
             el('dl', {}, ...details.flatMap(([name, value]) => [el('dt', {}, name), el('dd', {}, String(value))])));
 }
