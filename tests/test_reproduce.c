@@ -516,7 +516,7 @@ static void bad_input_is_refused(void **state)
         {"emc --quick --repeats 3", "--quick"},
         {"emc --scene nowhere.glb --quick", "nowhere.glb"},
         {"emc --speed", "--speed"},
-        {"volume --quick --scene cube", "--scene"},
+        {"volume --quick --scene cube", "--scene cube is no volume"},
     };
     const char *folder = sample_folder("reproduce");
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {

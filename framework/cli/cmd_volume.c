@@ -36,8 +36,8 @@ static const bb_cli_option options[] = {
     BB_SEARCH_OPTION(job, searches, "how samples are found in a mesh: "),
     {"view", "V", "view of the scene; default: all", BB_INTO(job, request.view), .apart = "turns"},
     {"turns", "N",
-     "instead of views, turn the volume about each axis by N times 2 degrees, in parallel "
-     "projection",
+     "instead of views, N pictures in parallel projection while the volume turns full circle, "
+     "about each of the three axes",
      BB_INTO(job, turns), .low = 1, .high = 180},
     {"paper", NULL,
      "the papers' settings: --turns 180 --size 2160x2160, for a mesh --size 1024x1024",

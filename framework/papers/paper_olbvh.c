@@ -35,6 +35,14 @@ static const char *const quick_meshes[] = {"tets:side=4", "tets:side=4,shape=she
 
 /* ---- measuring ---- */
 
+static const bb_column side_column = BB_FOUND_NUMBER("side", "Pixels along a picture or slice.");
+
+static void note_side(bb_table *table, const char *scene, uint32_t side)
+{
+    bb_table_set_number(table, bb_table_row(table, (bb_cell){{[BB_SCENE] = scene}}), &side_column,
+                        side);
+}
+
 /* The request of all contests. */
 static bb_contest_request contest_of(const bb_reproduce_request *request, const char *name)
 {
@@ -57,6 +65,7 @@ static bb_status render(const bb_reproduce_request *request, bb_scene *scene, co
                                 .width = side,
                                 .height = side,
                                 .step = 1};
+    note_side(table, name, side);
     return bb_dvr_run(&dvr, scene, table);
 }
 
@@ -69,6 +78,7 @@ static bb_status cut(const bb_reproduce_request *request, bb_scene *scene, const
         .contest = contest_of(request, name),
         /* one, as thick as 1/20 of the mesh is high: what most of table 4 amounts to */
         .plan = {.axis = 2, .width = side, .height = side, .count = 1, .thickness = height / 20}};
+    note_side(table, name, side);
     return bb_slice_run(&slice, scene, table);
 }
 
@@ -226,6 +236,23 @@ static const bb_paper_entrant rendering[] = WAYS("2 to 13", "above LBVH's", "");
 static const bb_paper_entrant slicing[] = WAYS("3 to 25", "3 to 25", "");
 static const bb_paper_entrant overlapping[] = WAYS("5 to 52", "significant", "significant");
 
+static void say_side(bb_paper_place at, const char *what, int paper, bb_words *title)
+{
+    const bb_cell first = {{[BB_SCENE] = at.all->scene_count > 0 ? at.all->scenes[0] : ""}};
+    const double side = bb_find(at.all, &first, "side").number;
+    bb_say(title, "%s of %g x %g pixels (paper: %d x %d)", what, side, side, paper, paper);
+}
+
+static void say_picture(bb_paper_place at, bb_words *title)
+{
+    say_side(at, "pictures", 1024, title);
+}
+
+static void say_slice(bb_paper_place at, bb_words *title)
+{
+    say_side(at, "slices", 999, title);
+}
+
 static const bb_figure answer_ms = {.what = "answer_ms"};
 #define OF_TASK(task, rows_)                                                                       \
     .of = task, .columns = task_columns, .rows = rows_, .by_scene = true, .needs = &answer_ms
@@ -240,9 +267,12 @@ static const bb_paper_table tables[] = {
      .rows = trees,
      .by_scene = true,
      .needs = &answer_ms},
-    {.title = "volume rendering: speed over that of LBVH (figure 7)",
+    {.title = "volume rendering: speed over that of LBVH (figure 7); ",
+     .title_words = say_picture,
      OF_TASK(RENDERING, rendering)},
-    {.title = "slice: speed over that of LBVH (figure 8)", OF_TASK(SLICE, slicing)},
+    {.title = "slice: speed over that of LBVH (figure 8); ",
+     .title_words = say_slice,
+     OF_TASK(SLICE, slicing)},
     {.title = "overlap: speed over that of LBVH (figure 10)", OF_TASK(OVERLAP, overlapping)},
     {.title = NULL},
 };

@@ -3,8 +3,9 @@
  *
  * Phases of the build (figure 3), and build with picture against a march without a tree (table 1,
  * figure 4), by the size of the volume. Of table 1 there are no numbers in the text that we have:
- * of the paper there are its words. As there, an n-body density, seen in parallel projection, the
- * volume turned about each axis; here fewer turns, smaller pictures, and sizes from 64 on.
+ * of the paper there are its words. As there, an n-body density or a volume that is given, seen in
+ * parallel projection, turned full circle about each axis; here in fewer steps than 180, smaller
+ * pictures than 2160 x 2160, and sizes from 64 on.
  */
 #include "framework/papers/reproduce.h"
 #include "framework/tasks/dvr.h"
@@ -13,7 +14,7 @@
 #include <string.h>
 
 enum { SIZES_MAX = 8, BRICK = 8 };
-enum { OF_SIZES, FULL }; /* some sizes; one of them with nothing to skip */
+enum { OF_SIZES, FULL }; /* some volumes; one of them with nothing to skip */
 #define VOLUME_BUILDER "vlbvh"
 #define NO_TREE "no tree"
 
@@ -21,6 +22,9 @@ enum { OF_SIZES, FULL }; /* some sizes; one of them with nothing to skip */
 
 static const bb_column cubes = BB_FOUND_NUMBER("cubes", "Voxels."),
                        share = BB_FOUND_NUMBER("vote_share", "Vote over all phases of the build."),
+                       width = BB_FOUND_NUMBER("picture_width", "Pixels of a picture."),
+                       height = BB_FOUND_NUMBER("picture_height", "Likewise."),
+                       turns = BB_FOUND_NUMBER("turns", "Pictures about each axis."),
                        frame = BB_FOUND_ROUNDS("frame_ms", "Build, layout and picture.");
 
 /* Those of the whole frame, and of the vote, of each way. */
@@ -52,13 +56,10 @@ static void add_sums(bb_table *table, const char *scene)
     }
 }
 
-static bb_status picture(const bb_reproduce_request *request, uint32_t side, const char *transfer,
-                         bb_findings *f, bool *wrong)
+static bb_status measure_scene(const bb_reproduce_request *request, const char *name,
+                               bb_scene *scene, bb_findings *f, bool *wrong)
 {
     static const char *const builders[] = {VOLUME_BUILDER}, *const kernels[] = {"stack", "stack8"};
-    char name[64];
-    bb_scene *scene;
-    snprintf(name, sizeof name, "nbody:n=%u%s", side, transfer);
     bb_dvr_request dvr = {
         .contest = bb_paper_contest(request, name),
         .turns = request->quick ? 1 : 4,
@@ -70,51 +71,91 @@ static bb_status picture(const bb_reproduce_request *request, uint32_t side, con
     dvr.contest.builder_count = 1;
     dvr.contest.searches = kernels;
     dvr.contest.search_count = 2;
-    BB_TRY(bb_paper_add_scene(f, name));
-    BB_TRY(bb_scene_load_any(name, &scene));
-    bb_status status = bb_scene_upload(scene, request->device);
-    if (status == BB_OK)
-        status = bb_dvr_run(&dvr, scene, f->table);
+    if (scene->volume == NULL)
+        return bb_fail(BB_INVALID, "reproduce volume: --scene %s is no volume", name);
+    BB_TRY(bb_scene_upload(scene, request->device));
+    const bb_status status = bb_dvr_run(&dvr, scene, f->table);
     const uint32_t row = bb_table_row(f->table, (bb_cell){{[BB_SCENE] = name}});
-    bb_table_set_number(f->table, row, &cubes, pow(side, 3));
+    double voxels = 1;
+    for (int axis = 0; axis < 3; axis++)
+        voxels *= 1.0 + scene->volume->grid.cells[axis];
+    bb_table_set_number(f->table, row, &cubes, voxels);
+    bb_table_set_number(f->table, row, &width, dvr.width);
+    bb_table_set_number(f->table, row, &height, dvr.height);
+    bb_table_set_number(f->table, row, &turns, dvr.turns);
     add_sums(f->table, name);
     *wrong = *wrong || bb_outline_is_wrong(&bb_dvr_outline, f->table);
     bb_tracers_clear(request->device);
+    return status;
+}
+
+static bb_status picture(const bb_reproduce_request *request, const char *name, bb_findings *f,
+                         bool *wrong)
+{
+    bb_scene *scene;
+    BB_TRY(bb_paper_add_scene(f, name));
+    BB_TRY(bb_scene_load_any(name, &scene));
+    const bb_status status = measure_scene(request, name, scene, f, wrong);
     bb_scene_free(scene);
     return status;
+}
+
+/* The same with all of the volume seen: a parameter more. */
+static bb_status picture_of_all(const bb_reproduce_request *request, const char *name,
+                                bb_findings *f, bool *wrong)
+{
+    char full[1024];
+    snprintf(full, sizeof full, "%s%ctransfer=full", name, strchr(name, ':') == NULL ? ':' : ',');
+    return picture(request, full, f, wrong);
 }
 
 static bb_status measure(const bb_reproduce_request *request, bb_findings *f, bool *wrong)
 {
     uint64_t side = request->quick ? 24 : 64, full = side;
+    char name[64];
+    for (uint32_t i = 0; i < request->scene_count; i++)
+        BB_TRY(picture(request, request->scenes[i], &f[OF_SIZES], wrong));
     if (request->scene_count > 0)
-        return bb_fail(BB_INVALID,
-                       "reproduce volume: leave --scene out: its volumes are made here");
+        return picture_of_all(request, request->scenes[0], &f[FULL], wrong);
     for (uint32_t count = 0; count < (request->quick ? 2 : SIZES_MAX); count++, side *= 2) {
         const uint64_t bricks = side / BRICK * (side / BRICK) * (side / BRICK);
         if (bricks > request->max_prims)
             break;
-        BB_TRY(picture(request, (uint32_t)side, "", &f[OF_SIZES], wrong));
+        snprintf(name, sizeof name, "nbody:n=%u", (uint32_t)side);
+        BB_TRY(picture(request, name, &f[OF_SIZES], wrong));
         full = count < 3 ? side : full; /* a full volume takes long */
     }
-    return picture(request, (uint32_t)full, ",transfer=full", &f[FULL], wrong);
+    snprintf(name, sizeof name, "nbody:n=%u", (uint32_t)full);
+    return picture_of_all(request, name, &f[FULL], wrong);
 }
 
 /* ---- figures: by stack ---- */
 
-static bool is_first(const bb_findings *f, const char *scene)
+static double cubes_of(const bb_findings *f, const char *scene)
 {
-    return strcmp(f->scenes[0], scene) == 0;
+    return bb_find(f, &(bb_cell){{[BB_SCENE] = scene}}, "cubes").number;
 }
 
+/* Twice the side of the one before: what growth is said of. */
 static bool is_later(const bb_findings *f, const char *scene)
 {
-    return !is_first(f, scene);
+    size_t s = 0;
+    while (s < f->scene_count && strcmp(f->scenes[s], scene) != 0)
+        s++;
+    return s > 0 && s < f->scene_count && cubes_of(f, scene) == 8 * cubes_of(f, f->scenes[s - 1]);
 }
 
 static bool is_largest(const bb_findings *f, const char *scene)
 {
-    return strcmp(f->scenes[f->scene_count - 1], scene) == 0;
+    for (size_t s = 0; s < f->scene_count; s++)
+        if (cubes_of(f, f->scenes[s]) > cubes_of(f, scene))
+            return false;
+    return true;
+}
+
+static bool is_last_double(const bb_findings *f, const char *scene)
+{
+    return is_later(f, scene) && is_largest(f, scene);
 }
 
 #define BY_STACK .builder = VOLUME_BUILDER, .kernel = "stack"
@@ -131,7 +172,7 @@ static const bb_figure vote = {VOTE},
                                        BY_STACK,
                                        .scale = 1.0 / 8,
                                        .previous = true,
-                                       .only = is_largest},
+                                       .only = is_last_double},
                        largest_frame = {.what = "frame_ms",
                                         BY_STACK,
                                         OVER_NO_TREE,
@@ -179,13 +220,23 @@ static const bb_paper_entrant ways[] = {
     {.name = NULL},
 };
 
+static void say_sizes(bb_paper_place at, bb_words *title)
+{
+    const bb_cell first = {{[BB_SCENE] = at.all->scene_count > 0 ? at.all->scenes[0] : ""}};
+    bb_say(title, "pictures of %g x %g pixels, %g about each axis (paper: 2160 x 2160, 180)",
+           bb_find(at.all, &first, "picture_width").number,
+           bb_find(at.all, &first, "picture_height").number,
+           bb_find(at.all, &first, "turns").number);
+}
+
 static const bb_paper_table tables[] = {
     {.title = "Phases of the build, ms (figure 3)", .columns = phases, .by_scene = true},
     {.title = "Build and picture against a march without a tree, ratios (table 1, figure 4); the "
-              "last volume has nothing to skip",
+              "last volume has nothing to skip; ",
      .columns = frames,
      .rows = ways,
-     .by_scene = true},
+     .by_scene = true,
+     .title_words = say_sizes},
     {.title = "", .columns = frames, .rows = ways, .by_scene = true, .of = FULL},
     {.title = NULL},
 };

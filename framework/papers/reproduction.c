@@ -167,8 +167,8 @@ static void show_claims(const bb_entry *paper, bb_page *page)
     int counts[KINDS] = {0};
     bb_each_part(claim, paper, BB_F_CLAIM_VERDICT) counts[kind_of(claim)]++;
     bb_page_say(page,
-                "claims: %d held (the paper's own figure is reached, by %g %%), %d in direction "
-                "only, %d did not hold, %d cannot be told here",
+                "claims: %d held (at the paper's own figure or beyond, less %g %%), %d in "
+                "direction only, %d did not hold, %d cannot be told here",
                 counts[HELD], 100 * BB_CLAIM_MARGIN, counts[DIRECTION], counts[NOT_HELD],
                 counts[UNTOLD]);
     bb_each_part(claim, paper, BB_F_CLAIM_VERDICT) show_claim(claim, page);

@@ -20,7 +20,7 @@ typedef struct bb_dvr_request {
     const bb_transfer *transfer; /* for tetrahedra; a volume has its own */
     const char *view;            /* NULL: all of the scene's */
     uint32_t turns; /* 0: these. Else pictures of the paper: in parallel, all of the volume in
-                         sight, which is turned about each axis by so many times 2 degrees */
+                         sight, so many while it is turned full circle about each axis */
     uint32_t width, height;
     double step;   /* distance of samples, in voxels; of tetrahedra, bb_tet_march_width() */
     double cutoff; /* see bb_march_settings */

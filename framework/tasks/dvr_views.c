@@ -7,15 +7,15 @@
 #include <stdio.h>
 #include <string.h>
 
-static const double degrees = 2, radian = 3.14159265358979323846 / 180;
+static const double radian = 3.14159265358979323846 / 180;
 
 /* Section 4: parallel projection, the whole extent visible; turned about one axis. The eye goes
  * round instead of the volume. */
 static bb_view turned_view(const bb_scene *scene, uint32_t width, uint32_t height, uint32_t axis,
-                           uint32_t turn)
+                           double degrees)
 {
     bb_view view = {.parallel = true};
-    double diagonal = 0, angle = degrees * turn * radian;
+    double diagonal = 0, angle = degrees * radian;
     for (int k = 0; k < 3; k++) {
         double side = (double)scene->bounds.hi[k] - (double)scene->bounds.lo[k];
         diagonal += side * side;
@@ -35,7 +35,7 @@ static bb_view turned_view(const bb_scene *scene, uint32_t width, uint32_t heigh
         view.up[k] = up[k];
     }
     view.fov_y = diagonal * (width < height ? (double)height / width : 1);
-    snprintf(view.name, sizeof view.name, "%c%03.0f", "xyz"[axis], degrees * turn);
+    snprintf(view.name, sizeof view.name, "%c%03.0f", "xyz"[axis], degrees);
     return view;
 }
 
@@ -44,9 +44,11 @@ bb_status bb_dvr_choose_views(bb_dvr *dvr)
     const bb_dvr_request *request = dvr->request;
     const bb_scene *scene = dvr->scene;
     uint32_t *count = &dvr->task.questions;
+    /* from half a step on: not turned at all, the three axes would give one picture */
     for (uint32_t i = 0; i < 3 * request->turns; i++)
-        dvr->views[(*count)++] = turned_view(scene, request->width, request->height,
-                                             i / request->turns, i % request->turns);
+        dvr->views[(*count)++] =
+            turned_view(scene, request->width, request->height, i / request->turns,
+                        360 * (i % request->turns + 0.5) / request->turns);
     if (request->turns > 0)
         return BB_OK;
     for (uint32_t i = 0; i < scene->view_count; i++)
