@@ -58,12 +58,4 @@ static inline uint64_t seed_or(uint64_t fallback)
     return given != NULL ? strtoull(given, NULL, 0) : fallback;
 }
 
-/* Whether number `i` of what takes long is to be done: of thirds, one in each run of CI, which
- * gives BVHBENCH_TEST_PART=0 .. 8; without it all. */
-static inline bool in_this_part(uint64_t i)
-{
-    const char *part = getenv("BVHBENCH_TEST_PART");
-    return part == NULL || part[0] == '\0' || strtoull(part, NULL, 10) % 3 == i % 3;
-}
-
 #endif

@@ -1,6 +1,6 @@
 /* `bvhbench stress` from outside: a builder that goes wrong beyond 100 primitives, in every manner;
  * what is found of it, what becomes of the run, and that it goes on where it was cut off. All of it
- * only with BVHBENCH_SLOW_TESTS=1, a third of them with BVHBENCH_TEST_PART. */
+ * only with BVHBENCH_SLOW_TESTS=1. */
 #include "framework/table/table.h"
 #include "tests/program_fixture.h"
 
@@ -363,7 +363,7 @@ int main(void)
     struct CMUnitTest chosen[ALL];
     size_t count = 0;
     for (size_t i = 0; i < ALL; i++)
-        if (i < QUICK || (getenv("BVHBENCH_SLOW_TESTS") != NULL && in_this_part(i)))
+        if (i < QUICK || getenv("BVHBENCH_SLOW_TESTS") != NULL)
             chosen[count++] = tests[i];
     return _cmocka_run_group_tests("stress", chosen, count, make_folder, remove_folder);
 }

@@ -41,8 +41,6 @@ static void every_builder_with_every_kernel_is_right(void **state)
                                          "awkward:kind=axis,n=1000",
                                          "awkward:kind=duplicates,n=1000"};
     for (size_t s = 0; s < sizeof scenes / sizeof scenes[0]; s++) {
-        if (!in_this_part(s))
-            continue;
         bb_scene *scene = load(scenes[s]);
         bb_conformance *conformance;
         check(bb_conformance_create(device, scene, SIDE, seed, &conformance), scenes[s]);

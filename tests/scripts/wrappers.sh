@@ -51,8 +51,18 @@ expect "bvhbench run --repeats 3 --seed=2 --out here" bench run --repeats 3 --se
 expect "bvhbench run --scene cube --repeats 2 --out $tree/out" bench --scene cube --repeats 2
 ! grep -q 'bvhbench volume' "$work/said" || fail 'volumes are compared beside chosen scenes'
 
+unset BVHBENCH_TEST_PART # of the run that this is a part of
 expect 'test: 6 tests ran in build/test build/asan build/tsan; skipped: 3 tests and 3 test cases' test
 grep -qxF 'test: skipped: case a_case in build/asan' "$work/said" || fail 'no skipped case'
+# expect_part PART BUILD TURNS: beside build/test it runs BUILD; labels TURNS are left out.
+expect_part() {
+    BVHBENCH_TEST_PART=$1 expect "test: 4 tests ran in build/test build/$2; skipped: 2 tests and 2 test cases" test
+    grep -F '/build/test ' "$work/said" | grep -qF -- " --label-exclude ^long\$|$3 " || fail "part $1: other labels"
+}
+expect_part 5 tsan '^turn-[^5]'
+expect_part 11 asan '^turn-'
+grep -q '/build/asan .* -I 6,,6 ' "$work/said" || fail 'part 11: not the last sixth under AddressSanitizer'
+BVHBENCH_TEST_PART=0 expect 'test: 2 tests ran in build/test; skipped: 1 tests and 1 test cases' test
 expect 'test: 2 tests ran in build/test; skipped: 1 tests and 1 test cases' test --quick
 expect 'setup quick-test' test --quick
 expect 'build test' test -R x --quick
