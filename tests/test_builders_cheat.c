@@ -89,6 +89,32 @@ static void each_is_found_and_nobody_else(void **state)
     cJSON_Delete(json);
 }
 
+/* One that writes into the scene, by turns with others that read it: nobody else is blamed. */
+static void who_writes_hurts_nobody(void **state)
+{
+    (void)state;
+    static const char *const kinds[] = {"new-boxes", "last-boxes"};
+    static const char *const others[] = {"lbvh",  "sah",  "ploc",   "aac",   "hlbvh",
+                                         "lobvh", "sbvh", "bonsai", "hploc", "cheat"};
+    for (size_t k = 0; k < sizeof kinds / sizeof kinds[0]; k++) {
+        char line[512], file[64];
+        snprintf(line, sizeof line,
+                 "run --scene soup:n=2000 --plugin " BB_TEST_PLUGIN_DIR
+                 "/cheat.so --builder cheat:kind=%s,lbvh,sah,ploc,aac,hlbvh,lobvh,sbvh,bonsai,"
+                 "hploc,cheat --kernel stack --rays primary --size 16x16 --repeats 5 "
+                 "--no-pictures --out %s",
+                 kinds[k], kinds[k]);
+        (void)run(line);
+        snprintf(file, sizeof file, "%s/results.json", kinds[k]);
+        cJSON *json = read_results(file);
+        rows = cJSON_GetObjectItem(json, "builds");
+        expect_reason(kinds[k], k == 0 ? "wrote into the scene's boxes" : "gives up");
+        for (size_t i = 0; i < sizeof others / sizeof others[0]; i++)
+            expect_ok(others[i]);
+        cJSON_Delete(json);
+    }
+}
+
 /* Copies until it is asked, then builds. A copy that another program has slowed excuses it: three
  * runs. */
 static void who_repents_is_found(void **state)
@@ -124,6 +150,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_is_found_and_nobody_else),
+        cmocka_unit_test(who_writes_hurts_nobody),
         cmocka_unit_test(who_repents_is_found),
         cmocka_unit_test(who_remembers_is_not_the_fastest),
     };
