@@ -232,6 +232,8 @@ typedef struct bb_count {
     bb_u32 nodes;    /* boxes tested */
     bb_u32 prims;    /* primitives tested */
     bb_u32 overflow; /* 1: the stack was too small, so the hit is not valid */
+    bb_u32
+        restarts; /* walks from the root after a short stack ran empty; searches for tetrahedra */
 } bb_count;
 
 #ifndef __OPENCL_VERSION__
@@ -254,7 +256,7 @@ BB_STATIC_ASSERT(sizeof(bb_wide8) == 256, "bb_wide8");
 BB_STATIC_ASSERT(sizeof(bb_quant8) == 128, "bb_quant8");
 BB_STATIC_ASSERT(sizeof(bb_cwbvh) == 80, "bb_cwbvh");
 BB_STATIC_ASSERT(sizeof(bb_wide_plan) == 32, "bb_wide_plan");
-BB_STATIC_ASSERT(sizeof(bb_count) == 12, "bb_count");
+BB_STATIC_ASSERT(sizeof(bb_count) == 16, "bb_count");
 #endif
 
 #endif

@@ -4,19 +4,8 @@
  */
 #include "bb_device.h"
 #include "locate.clh"
-#include "prims.clh"
 
-#if BB_LOCATE_OCTREE
-#define BB_LOCATE_NODE uint2
-#else
-#define BB_LOCATE_NODE float
-#endif
-
-kernel void locate_points(global const BB_LOCATE_NODE *nodes, global const float *leaf_prims,
-#if BB_LOCATE_OCTREE
-                          global const bb_cell_grid *grid,
-#endif
-                          bb_locate_args args, global const uint *flags, global const uint *data,
+kernel void locate_points(BB_LOCATE_PARAMETERS, global const uint *data,
                           bb_prim_ends ends, global const float *field, global const float *points,
                           uint count, global bb_located *results
 #if BB_COUNTING
@@ -30,13 +19,7 @@ kernel void locate_points(global const BB_LOCATE_NODE *nodes, global const float
         return;
     bb_locate_tree tree;
     bb_location found;
-    tree.nodes = nodes;
-    tree.leaf_prims = leaf_prims;
-    tree.flags = flags;
-    tree.args = args;
-#if BB_LOCATE_OCTREE
-    tree.grid = *grid;
-#endif
+    BB_LOCATE_TREE(tree);
     bb_locate(&tree, vload3(i, points), &found);
     results[i].prim = found.tet;
     results[i].value = 0.0f;
@@ -52,5 +35,6 @@ kernel void locate_points(global const BB_LOCATE_NODE *nodes, global const float
     counts[i].nodes = found.nodes;
     counts[i].prims = found.tests;
     counts[i].overflow = 0;
+    counts[i].restarts = 0;
 #endif
 }

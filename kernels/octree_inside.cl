@@ -1,11 +1,7 @@
 /* Finds which cells of the `octree` layout that list no boundary primitive are inside of the mesh,
  * and which are outside.
  *
- * No part of the mesh's boundary is in such a cell, so the whole cell is on the same side as any of
- * its points: inside if a tetrahedron certainly contains the point, outside if none does. (Such
- * cells can be outside, since cells list primitives by their boxes.) If rounding leaves the answer
- * open, the cell is marked as neither; therefore the point is not the centre, which in regular
- * meshes is on faces of tetrahedra.
+ * See bb_locate_cell(); cells of which the answer is open are marked as neither.
  *
  * Launched for all cells of a grid of 2^part a side, or of the tree's grid if that is coarser; each
  * work-item walks to the leaves within its cell.
@@ -28,16 +24,9 @@ bool bb_visit_cell(bb_visitor *visitor, uint index, uint2 node, uint3 cell)
     const bb_cell_grid *grid = &tree->grid;
     if ((node.y & BB_OCTREE_BOUNDARY) != 0u)
         return false;
-    float3 lo = (float3)(bb_cell_plane(grid, 0, cell.x), bb_cell_plane(grid, 1, cell.y),
-                         bb_cell_plane(grid, 2, cell.z));
-    float3 hi = (float3)(bb_cell_plane(grid, 0, cell.x + 1u), bb_cell_plane(grid, 1, cell.y + 1u),
-                         bb_cell_plane(grid, 2, cell.z + 1u));
+    float3 lo = bb_cell_corner(grid, cell), hi = bb_cell_corner(grid, cell + 1u);
     bb_location found;
-    found.tet = BB_NONE;
-    found.tests = 0;
-    const float3 part = (float3)(0.37f, 0.41f, 0.59f);
-    float3 point = (1.0f - part) * lo + part * hi;
-    bool inside = bb_locate_leaf(tree, node.x, point * tree->args.scale, &found);
+    bool inside = bb_locate_cell(tree, node.x, lo, hi, &found);
     if (inside)
         visitor->out[index].y = node.y | BB_OCTREE_INSIDE;
     else if (found.tet == BB_NONE)
@@ -45,24 +34,18 @@ bool bb_visit_cell(bb_visitor *visitor, uint index, uint2 node, uint3 cell)
     return false;
 }
 
-kernel void octree_inside(global uint2 *nodes, global const float *leaf_prims,
-                          global const bb_cell_grid *grid, bb_locate_args args,
-                          global const uint *flags, uint part)
+kernel void octree_inside(BB_LOCATE_PARAMETERS, uint part)
 {
-    uint id = (uint)get_global_id(0), visited = 0, bits = min(part, grid->bits);
-    if (id >> 3u * bits != 0u)
-        return;
     bb_locate_tree tree;
     bb_visitor visitor;
-    tree.nodes = nodes;
-    tree.leaf_prims = leaf_prims;
-    tree.flags = flags;
-    tree.args = args;
-    tree.grid = *grid;
+    BB_LOCATE_TREE(tree);
+    uint id = (uint)get_global_id(0), visited = 0, bits = min(part, tree.grid.bits);
+    if (id >> 3u * bits != 0u)
+        return;
     visitor.tree = &tree;
-    visitor.out = nodes;
+    visitor.out = locate_nodes;
     uint mask = (1u << bits) - 1u, shift = tree.grid.bits - bits;
     uint3 lo = (uint3)(id & mask, id >> bits & mask, id >> 2u * bits) << shift;
     uint3 hi = lo + ((1u << shift) - 1u);
-    bb_octree_walk(nodes, args.root, &tree.grid, lo, hi, &visitor, &visited);
+    bb_octree_walk(tree.nodes, tree.args.root, &tree.grid, lo, hi, &visitor, &visited);
 }

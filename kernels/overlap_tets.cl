@@ -5,16 +5,16 @@
  *       for each of the other mesh whose box meets its box: do they meet (solids.clh)?
  *           yes: done, one suffices
  *   with BB_OVERLAP_FLAGS:
- *       in a cell that is entirely inside of the other mesh (octree_inside.cl) it suffices to have
+ *       in a cell that is entirely inside of the other mesh (octree_inside.cl, olbvh_inside.cl) it
+ *       suffices to have
  *           a corner there, which is tested first, or to contain the cell's centre
  *       in a cell that is entirely outside there is nothing to find
  *
- *   BB_OVERLAP_FLAGS   1 or 0; 1 only with BB_LOCATE_OCTREE
+ *   BB_OVERLAP_FLAGS   1 or 0; 1 only with BB_LOCATE_OCTREE or BB_LOCATE_OLBVH
  *   and those of locate_points.cl, and BB_LOCATE_ALL
  */
 #include "bb_device.h"
 #include "locate.clh"
-#include "prims.clh"
 #include "solids.clh"
 
 #ifndef BB_OVERLAP_FLAGS
@@ -30,12 +30,6 @@ typedef struct bb_visitor {
 } bb_visitor;
 
 #include "tet_walk.clh"
-
-#if BB_LOCATE_OCTREE
-#define BB_LOCATE_NODE uint2
-#else
-#define BB_LOCATE_NODE float
-#endif
 
 /* Returns whether one certainly contains a corner of the other, as in most pairs that meet. */
 bool bb_overlap_corner(const bb_visitor *visitor, uint flags, const float3 corners[4])
@@ -67,45 +61,63 @@ bool bb_visit_tet(bb_visitor *visitor, uint prim, uint flags, const float3 corne
     return bb_overlap_corner(visitor, flags, corners) || bb_tets_meet(&own, &other);
 }
 
-#if BB_LOCATE_OCTREE
-#if BB_OVERLAP_FLAGS
 /* Returns whether it certainly contains the centre of a cell. */
-bool bb_overlap_cell(const bb_visitor *visitor, uint3 cell)
+bool bb_overlap_cell(const bb_visitor *visitor, float3 lo, float3 hi)
 {
-    const bb_cell_grid *grid = &visitor->tree->grid;
-    float3 lo = (float3)(bb_cell_plane(grid, 0, cell.x), bb_cell_plane(grid, 1, cell.y),
-                         bb_cell_plane(grid, 2, cell.z));
-    float3 hi = (float3)(bb_cell_plane(grid, 0, cell.x + 1u), bb_cell_plane(grid, 1, cell.y + 1u),
-                         bb_cell_plane(grid, 2, cell.z + 1u));
     bb_tet_weights weights;
     return bb_tet_point_of(visitor->corners[0], visitor->corners[1], visitor->corners[2],
                            visitor->corners[3], visitor->flags,
                            (0.5f * lo + 0.5f * hi) * visitor->tree->args.scale, &weights) &&
            weights.strict;
 }
-#endif
 
+#if BB_LOCATE_OCTREE
 bool bb_visit_cell(bb_visitor *visitor, uint index, uint2 node, uint3 cell)
 {
     (void)index;
 #if BB_OVERLAP_FLAGS
+    const bb_cell_grid *grid = &visitor->tree->grid;
     if ((node.y & BB_OCTREE_OUTSIDE) != 0u)
         return false;
-    if ((node.y & BB_OCTREE_INSIDE) != 0u && bb_overlap_cell(visitor, cell))
+    if ((node.y & BB_OCTREE_INSIDE) != 0u &&
+        bb_overlap_cell(visitor, bb_cell_corner(grid, cell), bb_cell_corner(grid, cell + 1u)))
         return true;
 #else
     (void)cell;
 #endif
     return bb_walk_leaf(visitor->tree, node.x, visitor);
 }
+#elif BB_LOCATE_OLBVH
+bool bb_visit_leaf(bb_visitor *visitor, uint leaf)
+{
+#if BB_OVERLAP_FLAGS
+    const bb_olbvh *tree = &visitor->tree->olbvh;
+    if ((tree->bf[leaf] & BB_OLBVH_OUTSIDE) != 0)
+        return false;
+    if ((tree->bf[leaf] & BB_OLBVH_INSIDE) != 0 &&
+        bb_overlap_cell(visitor, vload3(2u * leaf, tree->bv), vload3(2u * leaf + 1u, tree->bv)))
+        return true;
+#endif
+    return bb_walk_leaf(visitor->tree, leaf, visitor);
+}
+#endif
+
+#if BB_OVERLAP_FLAGS
+/* Returns whether a point is in a cell that is entirely inside. */
+bool bb_overlap_inside(const bb_locate_tree *tree, float3 point, uint *visited)
+{
+#if BB_LOCATE_OLBVH
+    uint leaf = bb_olbvh_leaf(&tree->olbvh, point, visited);
+    return leaf != BB_NONE && (tree->olbvh.bf[leaf] & BB_OLBVH_INSIDE) != 0;
+#else
+    uint2 leaf = bb_octree_leaf(tree->nodes, tree->args.root, &tree->grid, point, visited);
+    return (leaf.y & BB_OCTREE_INSIDE) != 0u;
+#endif
+}
 #endif
 
 /* `own_...`: of the first mesh; everything else is of the other. */
-kernel void overlap_tets(global const BB_LOCATE_NODE *nodes, global const float *leaf_prims,
-#if BB_LOCATE_OCTREE
-                         global const bb_cell_grid *grid,
-#endif
-                         bb_locate_args search, global const uint *flags,
+kernel void overlap_tets(BB_LOCATE_PARAMETERS,
                          global const uint *own_flags, global const uint *own_data,
                          bb_prim_ends own_ends, global const float *own_vertices, uint own_first,
                          uint own_count, global uint *results
@@ -115,18 +127,14 @@ kernel void overlap_tets(global const BB_LOCATE_NODE *nodes, global const float 
 #endif
 )
 {
-    uint i = (uint)get_global_id(0), kind, visited = 0;
+    uint i = (uint)get_global_id(0), kind;
     if (i >= own_count)
         return;
     bb_locate_tree tree;
     bb_visitor visitor;
-    tree.nodes = nodes;
-    tree.leaf_prims = leaf_prims;
-    tree.flags = flags;
-    tree.args = search;
-#if BB_LOCATE_OCTREE
-    tree.grid = *grid;
-#endif
+    bb_location counted;
+    counted.nodes = counted.restarts = 0;
+    BB_LOCATE_TREE(tree);
     visitor.tree = &tree;
     visitor.tests = 0;
     visitor.flags = own_flags[i];
@@ -134,23 +142,23 @@ kernel void overlap_tets(global const BB_LOCATE_NODE *nodes, global const float 
     float3 places[4];
     for (uint c = 0; c < 4; c++) {
         places[c] = vload3(corners[c], own_vertices);
-        visitor.corners[c] = places[c] * search.scale;
+        visitor.corners[c] = places[c] * tree.args.scale;
     }
     float3 lo = BB_MIN(BB_MIN(places[0], places[1]), BB_MIN(places[2], places[3]));
     float3 hi = BB_MAX(BB_MAX(places[0], places[1]), BB_MAX(places[2], places[3]));
-    visitor.lo = lo * search.scale;
-    visitor.hi = hi * search.scale;
+    visitor.lo = lo * tree.args.scale;
+    visitor.hi = hi * tree.args.scale;
     bool meets = false, flat = (visitor.flags & BB_TET_FLAT) != 0u;
 #if BB_OVERLAP_FLAGS
     for (uint c = 0; c < 4 && !meets && !flat; c++)
-        meets = (bb_octree_leaf(nodes, search.root, &tree.grid, places[c], &visited).y &
-                 BB_OCTREE_INSIDE) != 0u;
+        meets = bb_overlap_inside(&tree, places[c], &counted.nodes);
 #endif
-    meets = meets || (!flat && bb_walk(&tree, lo, hi, &visitor, &visited));
+    meets = meets || (!flat && bb_walk(&tree, lo, hi, &visitor, &counted));
     results[i] = meets ? 1u : 0u;
 #if BB_COUNTING
-    counts[i].nodes = visited;
+    counts[i].nodes = counted.nodes;
     counts[i].prims = visitor.tests;
     counts[i].overflow = 0;
+    counts[i].restarts = counted.restarts;
 #endif
 }

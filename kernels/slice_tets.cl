@@ -14,7 +14,6 @@
  */
 #include "bb_device.h"
 #include "locate.clh"
-#include "prims.clh"
 #include "solids.clh"
 
 typedef struct bb_visitor {
@@ -25,12 +24,6 @@ typedef struct bb_visitor {
 } bb_visitor;
 
 #include "tet_walk.clh"
-
-#if BB_LOCATE_OCTREE
-#define BB_LOCATE_NODE uint2
-#else
-#define BB_LOCATE_NODE float
-#endif
 
 #if BB_HAS_DOUBLES
 /* Returns the squared distance of the tetrahedron's box from the centre: except for rounding, not
@@ -71,7 +64,12 @@ bool bb_visit_tet(bb_visitor *visitor, uint prim, uint flags, const float3 corne
     return false;
 }
 
-#if BB_LOCATE_OCTREE
+#if BB_LOCATE_OLBVH
+bool bb_visit_leaf(bb_visitor *visitor, uint leaf)
+{
+    return bb_walk_leaf(visitor->tree, leaf, visitor);
+}
+#elif BB_LOCATE_OCTREE
 bool bb_visit_cell(bb_visitor *visitor, uint index, uint2 node, uint3 cell)
 {
     (void)index;
@@ -116,11 +114,7 @@ float bb_slice_field(global const uint *corners, global const float *vertices,
     return (float)BB_MAX((bb_real)args->field_lo, BB_MIN((bb_real)args->field_hi, value));
 }
 
-kernel void slice_tets(global const BB_LOCATE_NODE *nodes, global const float *leaf_prims,
-#if BB_LOCATE_OCTREE
-                       global const bb_cell_grid *grid,
-#endif
-                       bb_locate_args search, global const uint *flags, global const uint *data,
+kernel void slice_tets(BB_LOCATE_PARAMETERS, global const uint *data,
                        bb_prim_ends ends, global const float *vertices, global const float *field,
                        bb_slice_args args, global bb_sliced *voxels
 #if BB_COUNTING
@@ -135,13 +129,7 @@ kernel void slice_tets(global const BB_LOCATE_NODE *nodes, global const float *l
     if (v >= args.size[1])
         return;
     bb_locate_tree tree;
-    tree.nodes = nodes;
-    tree.leaf_prims = leaf_prims;
-    tree.flags = flags;
-    tree.args = search;
-#if BB_LOCATE_OCTREE
-    tree.grid = *grid;
-#endif
+    BB_LOCATE_TREE(tree);
     float u0 = bb_slice_plane(&args, 0, u), u1 = bb_slice_plane(&args, 0, u + 1u);
     float v0 = bb_slice_plane(&args, 1, v), v1 = bb_slice_plane(&args, 1, v + 1u);
     float3 lo = bb_slice_point(&args, u0, v0, args.below);
@@ -155,14 +143,14 @@ kernel void slice_tets(global const BB_LOCATE_NODE *nodes, global const float *l
     voxel.inside = found.tet != BB_NONE;
     if (found.tet == BB_NONE) {
         bb_visitor visitor;
-        visitor.lo = lo * search.scale;
-        visitor.hi = hi * search.scale;
-        visitor.centre = centre * search.scale;
+        visitor.lo = lo * tree.args.scale;
+        visitor.hi = hi * tree.args.scale;
+        visitor.centre = centre * tree.args.scale;
         visitor.least = INFINITY;
         visitor.nearest = BB_NONE;
         visitor.tests = 0;
         visitor.tree = &tree;
-        bb_walk(&tree, lo, hi, &visitor, &found.nodes);
+        bb_walk(&tree, lo, hi, &visitor, &found);
         found.tests += visitor.tests;
         voxel.prim = visitor.nearest;
     }
@@ -180,5 +168,6 @@ kernel void slice_tets(global const BB_LOCATE_NODE *nodes, global const float *l
     counts[i].nodes = found.nodes;
     counts[i].prims = found.tests;
     counts[i].overflow = 0;
+    counts[i].restarts = found.restarts;
 #endif
 }

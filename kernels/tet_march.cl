@@ -11,29 +11,20 @@
  * meshes that do not overlap themselves.
  *
  *   BB_TET_INTERVAL   1: only where the ray may be inside, by boundary cells
- *                     (octree_interval.clh; BB_LOCATE_OCTREE); 0: between the bounds of the mesh
+ *                     (octree_interval.clh, olbvh_interval.clh; BB_LOCATE_OCTREE or
+ *                     BB_LOCATE_OLBVH); 0: between the bounds of the mesh
  *   and those of locate_points.cl
  */
 #include "bb_device.h"
 #include "locate.clh"
 #include "octree_interval.clh"
-#include "prims.clh"
+#include "olbvh_interval.clh"
 #include "volume_shared.h"
 
 #ifndef BB_TET_INTERVAL
 #define BB_TET_INTERVAL 0
 #endif
-#if BB_LOCATE_OCTREE
-#define BB_LOCATE_NODE uint2
-#else
-#define BB_LOCATE_NODE float
-#endif
-
-kernel void tet_march(global const BB_LOCATE_NODE *nodes, global const float *leaf_prims,
-#if BB_LOCATE_OCTREE
-                      global const bb_cell_grid *grid,
-#endif
-                      bb_locate_args args, global const uint *flags, global const uint *data,
+kernel void tet_march(BB_LOCATE_PARAMETERS, global const uint *data,
                       bb_prim_ends ends, global const float *field, global const float4 *table,
                       bb_tet_march_args march, global const bb_ray *rays, uint count,
                       global bb_light *lights
@@ -47,23 +38,18 @@ kernel void tet_march(global const BB_LOCATE_NODE *nodes, global const float *le
     if (id >= count)
         return;
     bb_locate_tree tree;
-    tree.nodes = nodes;
-    tree.leaf_prims = leaf_prims;
-    tree.flags = flags;
-    tree.args = args;
+    BB_LOCATE_TREE(tree);
     float3 o = vload3(0, rays[id].o), d = vload3(0, rays[id].d);
     float entry = rays[id].tmin, exit = BB_MIN(FLT_MAX, rays[id].tmax);
     float dt = march.step / sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
-    uint visited = 0, samples = 0;
-    bb_interval_slab(march.lo[0], march.hi[0], o.x, d.x, &entry, &exit);
-    bb_interval_slab(march.lo[1], march.hi[1], o.y, d.y, &entry, &exit);
-    bb_interval_slab(march.lo[2], march.hi[2], o.z, d.z, &entry, &exit);
-#if BB_LOCATE_OCTREE
-    tree.grid = *grid;
-#if BB_TET_INTERVAL
+    uint visited = 0, restarts = 0, samples = 0;
+    bb_interval_box(vload3(0, march.lo), vload3(0, march.hi), o, d, &entry, &exit);
+#if BB_TET_INTERVAL && BB_LOCATE_OCTREE
     if (entry <= exit)
-        bb_octree_interval(nodes, args.root, &tree.grid, o, d, &entry, &exit, &visited);
-#endif
+        bb_octree_interval(tree.nodes, tree.args.root, &tree.grid, o, d, &entry, &exit, &visited);
+#elif BB_TET_INTERVAL && BB_LOCATE_OLBVH
+    if (entry <= exit)
+        bb_olbvh_interval(&tree.olbvh, o, d, &entry, &exit, &visited, &restarts);
 #endif
     float3 light = (float3)(0.0f);
     float left = 1.0f;
@@ -104,5 +90,6 @@ kernel void tet_march(global const BB_LOCATE_NODE *nodes, global const float *le
     counts[id].nodes = visited;
     counts[id].prims = samples;
     counts[id].overflow = 0;
+    counts[id].restarts = restarts;
 #endif
 }

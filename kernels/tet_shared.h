@@ -25,6 +25,7 @@ typedef struct bb_locate_args {
     bb_u32 first;   /* number of the first tetrahedron */
     bb_u32 words;   /* words of a leaf primitive */
     bb_u32 id_word; /* the word with its number */
+    bb_u32 levels;  /* of an OLBVH's arrays, the root's not counted */
     float scale;
 } bb_locate_args;
 
@@ -57,7 +58,7 @@ typedef struct bb_tet_march_args {
 
 #ifndef __OPENCL_VERSION__
 BB_STATIC_ASSERT(sizeof(bb_located) == 8, "bb_located");
-BB_STATIC_ASSERT(sizeof(bb_locate_args) == 20, "bb_locate_args");
+BB_STATIC_ASSERT(sizeof(bb_locate_args) == 24, "bb_locate_args");
 BB_STATIC_ASSERT(sizeof(bb_slice_args) == 52, "bb_slice_args");
 BB_STATIC_ASSERT(sizeof(bb_sliced) == 12, "bb_sliced");
 BB_STATIC_ASSERT(sizeof(bb_tet_march_args) == 40, "bb_tet_march_args");

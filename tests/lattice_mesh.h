@@ -174,8 +174,16 @@ typedef struct tet_way {
 } tet_way;
 
 static const tet_way tet_ways[] = {
-    {"lbvh", "skip", false},   {"olbvh", "skip", false},          {"olbvh", "octree", false},
-    {"olbvh", "octree", true}, {"olbvh:alpha=1", "octree", true}, {"olbvh:bits=1", "octree", true},
+    {"lbvh", "skip", false},
+    {"olbvh", "skip", false},
+    {"olbvh", "octree", false},
+    {"olbvh", "octree", true},
+    {"olbvh:alpha=1", "octree", true},
+    {"olbvh:bits=1", "octree", true},
+    {"olbvh", "olbvh", false},
+    {"olbvh", "olbvh", true},
+    {"olbvh:alpha=1", "olbvh", true},
+    {"olbvh:bits=0", "olbvh", true},
     {NULL, NULL, false},
 };
 enum { TET_WAYS = sizeof tet_ways / sizeof tet_ways[0] };

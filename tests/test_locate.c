@@ -15,13 +15,17 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { HOLDERS_MAX = 64, WAYS = 3, MORE = 12, GROUP_SIZE = 64 };
+enum { HOLDERS_MAX = 64, WAYS = 5, MORE = 12, GROUP_SIZE = 64 };
 
 static bool small;
 
 static const struct {
     const char *builder, *layout;
-} ways[WAYS] = {{"lbvh", "skip"}, {"olbvh", "skip"}, {"olbvh", "octree"}};
+} ways[WAYS] = {{"lbvh", "skip"},
+                {"olbvh", "skip"},
+                {"olbvh", "octree"},
+                {"olbvh", "olbvh"},
+                {"olbvh:bits=0", "olbvh"}};
 
 /* ---- points ---- */
 

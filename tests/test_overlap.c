@@ -25,7 +25,8 @@ static uint64_t overlap(const bb_scene *scene, bb_scene *other, const tet_way *w
     uint32_t *again = malloc(count * sizeof *again);
     uint64_t tests = 0;
     open_search(&s, other, way);
-    overlapper.overlap.floats = overlapper.inside.floats = floats;
+    overlapper.overlap.floats = overlapper.cells_inside.floats = overlapper.leaves_inside.floats =
+        floats;
     make_buffer(&there, NULL, count * sizeof *results);
     make_buffer(&counted, NULL, count * sizeof *counts);
     for (int counting = 0; counting < 2; counting++) {

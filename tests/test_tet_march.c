@@ -13,17 +13,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SIDE = 24, LOOSE = 200, VIEWS = 3, RAYS = VIEWS * SIDE * SIDE + LOOSE, WAYS = 4 };
+enum { SIDE = 24, LOOSE = 200, VIEWS = 3, RAYS = VIEWS * SIDE * SIDE + LOOSE, WAYS = 6 };
 
 static bool small;
 
 static const struct {
     const char *builder, *layout;
     bool interval;
-} ways[WAYS] = {{"lbvh", "skip", false},
-                {"olbvh", "skip", false},
-                {"olbvh", "octree", false},
-                {"olbvh:alpha=1", "octree", true}};
+} ways[WAYS] = {{"lbvh", "skip", false},          {"olbvh", "skip", false},
+                {"olbvh", "octree", false},       {"olbvh", "olbvh", false},
+                {"olbvh:alpha=1", "olbvh", true}, {"olbvh:alpha=1", "octree", true}};
 
 /* All of some pictures; then rays that end, begin inside, lie in planes of the bounds, or miss. */
 static void make_rays(const bb_scene *scene, bb_ray *rays)

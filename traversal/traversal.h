@@ -14,7 +14,7 @@
 #include "framework/scene/scene.h"
 
 enum {
-    BB_LAYOUT_BUFFERS_MAX = 4,
+    BB_LAYOUT_BUFFERS_MAX = 6,
     BB_MORE_ARGS_MAX = 4, /* arguments of a query's own */
     BB_TRAIL_MAX =
         1 << 14, /* levels: 4 KiB of private memory per ray with 2 children, 8 KiB with 8 */
@@ -60,6 +60,7 @@ typedef struct bb_layout_data {
     float scale;         /* the scene's */
     uint32_t stack_need; /* stack entries that an ordered traversal needs */
     uint32_t levels;     /* inner nodes on the longest path, as the kernel counts; an upper bound */
+    uint32_t leaves;     /* of the tree, for layouts of which kernels run per leaf */
     uint64_t bytes;
     /* the traced nodes are the tree's own: its SAH is also the layout's, and the trace is native */
     bool keeps_shape;

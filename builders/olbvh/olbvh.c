@@ -12,6 +12,8 @@
  * - Algorithm 2 finds children level by level, by the positions where they end. Here nodes that end
  *   at one position have adjacent slots before they are sorted by level, so the last child of a
  *   node is in the slot after its own, and one pass links them all.
+ * - BF is a bit of the tree's side array `cells`; CO and PO are its side arrays `co` and `po`, PO
+ *   without its last entry, the number of references.
  * - A node's flag comes from a prefix sum over the references' flags, not from a loop over them.
  * - Cells list primitives by their boxes, so a cell without boundary primitives can still be
  *   outside the mesh: to infer "inside", also test a point (kernels/locate.clh).
@@ -66,7 +68,7 @@ typedef struct olbvh {
     bb_buffer splits, boundary;             /* per reference, then exclusive prefix sums */
     bb_buffer total, marked;                /* totals of these */
     bb_buffer levels, slots, ends, node_of; /* per node */
-    bb_buffer co, po, bf, no;
+    bb_buffer no;
     bb_buffer arity;
     /* for the last build */
     bb_cell_grid grid;
@@ -80,10 +82,10 @@ static void destroy(void *opaque)
     olbvh *self = opaque;
     if (self == NULL)
         return;
-    bb_buffer *buffers[] = {
-        &self->bounds,   &self->sums,  &self->counts, &self->codes,  &self->refs,  &self->splits,
-        &self->boundary, &self->total, &self->marked, &self->levels, &self->slots, &self->ends,
-        &self->node_of,  &self->co,    &self->po,     &self->bf,     &self->no,    &self->arity};
+    bb_buffer *buffers[] = {&self->bounds,  &self->sums,   &self->counts,   &self->codes,
+                            &self->refs,    &self->splits, &self->boundary, &self->total,
+                            &self->marked,  &self->levels, &self->slots,    &self->ends,
+                            &self->node_of, &self->no,     &self->arity};
     for (size_t i = 0; i < sizeof buffers / sizeof buffers[0]; i++)
         bb_buffer_release(buffers[i]);
     for (int i = 0; i < KERNELS; i++)
@@ -166,7 +168,7 @@ static uint64_t bytes_for(uint64_t references, uint32_t bits)
     for (uint32_t level = 0; level <= bits; level++)
         nodes += (uint64_t)1 << 3 * level < references ? (uint64_t)1 << 3 * level : references;
     return references * (2 + 2 + 1 + 2) * sizeof(uint32_t) /* including those of the sort */ +
-           nodes * (10 * sizeof(uint32_t) + sizeof(bb_node));
+           nodes * (9 * sizeof(uint32_t) + sizeof(bb_node));
 }
 
 static bb_status check_room(const olbvh *self, const bb_scene *scene, uint64_t references)
@@ -273,47 +275,58 @@ static bb_status count_nodes(olbvh *self, const bb_scene *scene)
     return bb_buffer_read(&self->total, 0, sizeof self->node_count, &self->node_count);
 }
 
-static bb_status sort_nodes(olbvh *self)
+/* The tree's side arrays. */
+typedef struct side_arrays {
+    bb_tree_array *cells, *co, *po;
+} side_arrays;
+
+static bb_status reserve_tree(olbvh *self, bb_tree *tree, side_arrays *arrays)
+{
+    const uint32_t word = sizeof(uint32_t);
+    BB_TRY(
+        bb_tree_reserve(tree, self->device, BB_ON_DEVICE, self->node_count, self->reference_count));
+    BB_TRY(bb_tree_reserve_array(tree, self->device, "cells", false, word, &arrays->cells));
+    BB_TRY(bb_tree_reserve_array(tree, self->device, "co", false, word, &arrays->co));
+    BB_TRY(bb_tree_reserve_array(tree, self->device, "po", false, word, &arrays->po));
+    tree->duplicated = true;
+    tree->disjoint = true;
+    return BB_OK;
+}
+
+static bb_status sort_nodes(olbvh *self, const side_arrays *arrays)
 {
     const uint32_t references = self->reference_count, nodes = self->node_count;
     BB_TRY(RESERVE(self, nodes, {"olbvh: levels", &self->levels}, {"olbvh: slots", &self->slots},
-                   {"olbvh: ends", &self->ends}, {"olbvh: nodes of slots", &self->node_of},
-                   {"olbvh: BF", &self->bf}));
-    BB_TRY(RESERVE(self, (size_t)nodes + 1, {"olbvh: CO", &self->co}, {"olbvh: PO", &self->po}));
+                   {"olbvh: ends", &self->ends}, {"olbvh: nodes of slots", &self->node_of}));
     BB_TRY(bb_launch(self->device, self->kernels[ENDS], references, GROUP_SIZE, BB_MEM(self->codes),
                      BB_VALUE(references), BB_VALUE(self->grid.bits), BB_MEM(self->splits),
                      BB_MEM(self->levels), BB_MEM(self->slots), BB_MEM(self->ends)));
     BB_TRY(bb_sort_keys(self->primitives, 4, &self->levels, &self->slots, nodes, LEVEL_BITS));
     BB_TRY(bb_launch(self->device, self->kernels[OFFSETS], nodes, GROUP_SIZE, BB_MEM(self->levels),
                      BB_MEM(self->slots), BB_VALUE(nodes), BB_VALUE(self->grid.bits),
-                     BB_MEM(self->ends), BB_MEM(self->node_of), BB_MEM(self->po),
+                     BB_MEM(self->ends), BB_MEM(self->node_of), BB_MEM(arrays->po->buffer),
                      BB_MEM(self->no)));
     return bb_buffer_read(&self->no, 0, (self->grid.bits + 1) * sizeof(uint32_t), self->level_ends);
 }
 
-static bb_status make_nodes(olbvh *self, bb_tree *tree)
+static bb_status make_nodes(olbvh *self, bb_tree *tree, const side_arrays *arrays)
 {
     const uint32_t references = self->reference_count, nodes = self->node_count;
     const uint32_t bits = self->grid.bits, *ends = self->level_ends;
     const uint32_t leaves = nodes - (bits > 0 ? ends[bits - 1] : 0);
-    bb_tree_array *cells;
-    BB_TRY(bb_tree_reserve(tree, self->device, BB_ON_DEVICE, nodes, references));
-    BB_TRY(bb_tree_reserve_array(tree, self->device, "cells", false, sizeof(uint32_t), &cells));
-    tree->duplicated = true;
-    tree->disjoint = true;
     BB_TRY(bb_buffer_fill(&self->arity, sizeof(uint32_t), 0));
     BB_TRY(bb_buffer_copy(&self->refs, &tree->d_refs, references * sizeof(uint32_t)));
     BB_TRY(bb_launch(self->device, self->kernels[NODES], nodes, GROUP_SIZE, BB_MEM(self->levels),
                      BB_MEM(self->slots), BB_VALUE(nodes), BB_VALUE(self->grid),
                      BB_VALUE(references), BB_MEM(self->codes), BB_MEM(self->splits),
-                     BB_MEM(self->node_of), BB_MEM(self->po), BB_MEM(self->boundary),
-                     BB_MEM(self->marked), BB_MEM(tree->d_refs), BB_MEM(self->co), BB_MEM(self->bf),
-                     BB_MEM(tree->d_nodes), BB_MEM(cells->buffer), BB_MEM(self->arity)));
+                     BB_MEM(self->node_of), BB_MEM(arrays->po->buffer), BB_MEM(self->boundary),
+                     BB_MEM(self->marked), BB_MEM(tree->d_refs), BB_MEM(arrays->co->buffer),
+                     BB_MEM(tree->d_nodes), BB_MEM(arrays->cells->buffer), BB_MEM(self->arity)));
     for (uint32_t level = bits; level-- > 0;) {
         const uint32_t first = level > 0 ? ends[level - 1] : 0, count = ends[level] - first;
         BB_TRY(bb_launch(self->device, self->kernels[UNIONS], count, GROUP_SIZE,
                          BB_MEM(tree->d_nodes), BB_VALUE(first), BB_VALUE(count),
-                         BB_MEM(self->co)));
+                         BB_MEM(arrays->co->buffer)));
     }
     return bb_launch(self->device, self->kernels[INFO], 1, 1, BB_MEM(tree->d_info), BB_VALUE(nodes),
                      BB_VALUE(leaves), BB_VALUE(references), BB_VALUE(bits), BB_MEM(self->arity));
@@ -324,6 +337,7 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
 {
     (void)input;
     olbvh *self = opaque;
+    side_arrays arrays;
     BB_TRY(bb_phase(phases, "depth"));
     BB_TRY(choose_grid(self, scene));
     BB_TRY(bb_phase(phases, "codes"));
@@ -331,9 +345,10 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
     BB_TRY(make_references(self, scene, phases));
     BB_TRY(bb_phase(phases, "splits"));
     BB_TRY(count_nodes(self, scene));
-    BB_TRY(sort_nodes(self));
+    BB_TRY(reserve_tree(self, tree, &arrays));
+    BB_TRY(sort_nodes(self, &arrays));
     BB_TRY(bb_phase(phases, "nodes"));
-    BB_TRY(make_nodes(self, tree));
+    BB_TRY(make_nodes(self, tree, &arrays));
     return bb_phase(phases, NULL);
 }
 
@@ -376,10 +391,8 @@ static void decide(void *opaque, const bb_scene *scene, bb_decisions *decisions)
 void olbvh_arrays_of(const void *opaque, olbvh_arrays *arrays)
 {
     const olbvh *self = opaque;
-    *arrays = (olbvh_arrays){self->node_count,    self->reference_count,
-                             self->grid.bits + 1, &self->codes,
-                             &self->co,           &self->po,
-                             &self->bf,           &self->no};
+    *arrays = (olbvh_arrays){self->node_count, self->reference_count, self->grid.bits + 1,
+                             &self->codes, &self->no};
 }
 
 static const bb_variants variants[] = {

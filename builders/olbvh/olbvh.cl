@@ -121,7 +121,8 @@ kernel void olbvh_ends(global const uint *codes, uint count, uint bits, global c
     }
 }
 
-/* After nodes have been sorted by level, stably: PO, NO, and the node of each slot. */
+/* After nodes have been sorted by level, stably: PO without its last entry, NO, and the node of
+ * each slot. */
 kernel void olbvh_offsets(global const uint *levels, global const uint *slots, uint count,
                           uint bits, global const uint *ends, global uint *node_of, global uint *po,
                           global uint *no)
@@ -131,7 +132,8 @@ kernel void olbvh_offsets(global const uint *levels, global const uint *slots, u
         return;
     uint slot = slots[j];
     node_of[slot] = j;
-    po[j + 1u] = ends[slot];
+    if (j + 1u < count)
+        po[j + 1u] = ends[slot];
     if (j == 0u)
         po[0] = 0;
     else if (levels[j] != levels[j - 1u])
@@ -140,7 +142,7 @@ kernel void olbvh_offsets(global const uint *levels, global const uint *slots, u
         no[bits] = count;
 }
 
-/* Computes the links of all nodes, CO, BF, and the boxes of leaves. `first_of`: slot of the first
+/* Computes the links of all nodes, CO, BF (a bit of `cells`), and the boxes of leaves. `first_of`: slot of the first
  * node that ends after each reference. `marked`: number of boundary references before each.
  * `marked_all`: their number. */
 kernel void olbvh_nodes(global const uint *levels, global const uint *slots, uint count,
@@ -148,20 +150,19 @@ kernel void olbvh_nodes(global const uint *levels, global const uint *slots, uin
                         global const uint *first_of, global const uint *node_of,
                         global const uint *po, global const uint *marked,
                         global const uint *marked_all, global uint *refs, global uint *co,
-                        global uint *bf, global bb_node *nodes, global uint *cells,
-                        volatile global uint *arity)
+                        global bb_node *nodes, global uint *cells, volatile global uint *arity)
 {
     uint j = (uint)get_global_id(0);
     if (j >= count)
         return;
-    uint level = levels[j], end = po[j + 1u];
+    uint level = levels[j], end = j + 1u == count ? ref_count : po[j + 1u];
     uint begin = po[j] < end ? po[j] : 0u; /* equation 9, with >= */
     if (j == 0u)
         co[0] = 0;
     uint last = end == ref_count ? marked_all[0] : marked[end];
-    bf[j] = last > marked[begin] ? 1u : 0u;
     uint code = codes[end - 1u];
-    cells[j] = (code >> 3u * (grid.bits - level) & BB_CELL_OCTANT) | bf[j] * BB_CELL_BOUNDARY;
+    cells[j] = (code >> 3u * (grid.bits - level) & BB_CELL_OCTANT) |
+               (last > marked[begin] ? BB_CELL_BOUNDARY : 0u);
     nodes[j].skip = end == ref_count ? BB_NONE : node_of[first_of[end - 1u]] + 1u;
     if (level < grid.bits) {
         uint before = j == 0u ? 0u : node_of[slots[j - 1u] + 1u];

@@ -1,17 +1,13 @@
-/* The six arrays of an OLBVH, for tests. */
+/* What an OLBVH is made from, for tests. */
 #ifndef OLBVH_H
 #define OLBVH_H
 
 #include "framework/device/device.h"
 
-/* The arrays of the last build, named as in section 3.1. P and BV are the common tree's references
- * and nodes. */
+/* The arrays of the last build that the tree does not have, named as in section 3. */
 typedef struct olbvh_arrays {
     uint32_t nodes, references, levels;
     const bb_buffer *codes; /* MC, u32[references], sorted */
-    const bb_buffer *co;    /* u32[inner nodes + 1] */
-    const bb_buffer *po;    /* u32[nodes + 1] */
-    const bb_buffer *bf;    /* u32[nodes] */
     const bb_buffer *no;    /* u32[levels] */
 } olbvh_arrays;
 

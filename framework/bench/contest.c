@@ -48,7 +48,7 @@ static bb_status ask(bb_contest *c, const bb_contest_runner *r, uint32_t items,
     const size_t bytes = c->task->answer_bytes;
     for (uint32_t i = 0; c->task->blank && i < items; i++) {
         memcpy(answers + i * bytes, c->task->blank_answer, bytes);
-        c->counts[i] = (bb_count){0, 0, 0};
+        c->counts[i] = (bb_count){0};
     }
     if (c->task->blank && !r->without)
         return BB_OK;
@@ -74,6 +74,7 @@ static void add_answers(const bb_contest *c, uint32_t items, bb_contest_way *way
     for (uint32_t i = 0; i < items; i++) {
         way->visits += c->counts[i].nodes;
         way->work += c->counts[i].prims;
+        way->restarts += c->counts[i].restarts;
         way->overflown += c->counts[i].overflow;
     }
     if (c->task->compare != NULL)
@@ -107,6 +108,7 @@ static bb_status compare_answers(bb_contest *c)
         bb_contest_way *way = &c->ways[w];
         way->visits /= (double)c->items;
         way->work /= (double)c->items;
+        way->restarts /= (double)c->items;
         if (way->overflown == 0)
             continue;
         snprintf(way->refused, sizeof way->refused, "its stack was too small for %llu of %llu rays",

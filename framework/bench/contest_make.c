@@ -74,6 +74,7 @@ static bb_status make_runner(bb_contest *c, const bb_contest_entrant *e, bb_cont
         way->nodes += instance->tree.info.node_count;
         way->leaves += instance->tree.info.leaf_count;
         way->references += instance->tree.info.ref_count;
+        way->query_bytes += r->data[s]->bytes;
         way->bytes += instance->account.peak + r->data[s]->bytes;
         way->tree_bytes += bb_tree_bytes(&instance->tree);
     }

@@ -18,12 +18,6 @@ const bb_column bb_column_bytes = BB_EXACT_COLUMN(
     "bytes", "most memory", "bytes", "Of trees and scratch at most, and of layouts.", LESS, 0);
 const bb_column bb_column_phase = BB_ROUNDS_COLUMN(
     "phase_ms", "phase", "ms", "A phase of the build or update, timed apart.", NEITHER, 3);
-const bb_column bb_column_tetrahedra =
-    BB_EXACT_COLUMN("tetrahedra", "tetrahedra", "", "Of the mesh.", NEITHER, 0);
-const bb_column bb_column_boundary =
-    BB_EXACT_COLUMN("boundary_tetrahedra", "on the boundary", "",
-                    "Tetrahedra with a face that no other has.", NEITHER, 0);
-const bb_column bb_column_field = BB_TEXT_COLUMN("field", "field", "Whose values are shown.");
 const bb_column bb_column_picture =
     BB_TEXT_COLUMN("picture", "picture", "PNG file beside this one.");
 
@@ -37,6 +31,10 @@ BB_TIMED(speed, "mitems_per_s", "M/s", "",
 BB_EXACT(visits, "nodes_per_item", "nodes", "", "Nodes visited per item.", LESS, 1);
 BB_EXACT(work, "tests_per_item", "tests", "", "Primitives tested, or samples taken, per item.",
          LESS, 2);
+BB_EXACT(restarts, "restarts_per_item", "restarts", "",
+         "Walks from the root after a short stack ran empty, per item.", LESS, 2);
+BB_EXACT(query_bytes, "query_bytes", "bytes to query", "",
+         "What an answer reads of the tree, copies of primitives included.", LESS, 0);
 BB_EXACT(differ, "differ", "differ", "", "Items whose answers differ from those of the first way.",
          NEITHER, 0);
 BB_TIMED(samples_rate, "msamples_per_s", "samples M/s", "", "Millions of samples per second.", MORE,
@@ -64,7 +62,8 @@ const bb_table_view bb_contest_views[BB_CONTEST_VIEWS] = {
      .with = BB_SET(BB_QUESTION),
      .rows = BB_SET(BB_QUESTION),
      .columns = {PLAIN("tetrahedra"), PLAIN("boundary_tetrahedra"), PLAIN("flat_tetrahedra"),
-                 PLAIN("meeting")}},
+                 PLAIN("volume_ratio"), PLAIN("aspect_min"), PLAIN("aspect_median"),
+                 PLAIN("aspect_max"), PLAIN("meeting")}},
     {.caption = "Ways",
      .with = BB_SET(BB_INTERSECTOR),
      .rows = BB_SET(BB_BUILDER) | BB_SET(BB_INTERSECTOR),
@@ -77,6 +76,8 @@ const bb_table_view bb_contest_views[BB_CONTEST_VIEWS] = {
                  PLAIN("msamples_per_s"),
                  PLAIN("nodes_per_item"),
                  PLAIN("tests_per_item"),
+                 PLAIN("restarts_per_item"),
+                 PLAIN("query_bytes"),
                  PLAIN("largest_difference"),
                  PLAIN("largest_difference_8_bits"),
                  PLAIN("differ"),
@@ -120,12 +121,6 @@ uint32_t bb_contest_scene_row(bb_table *table, const char *scene, const char *qu
     return bb_table_row(table, (bb_cell){{[BB_SCENE] = scene, [BB_QUESTION] = question}});
 }
 
-void bb_contest_fill_mesh(bb_table *table, uint32_t row, const bb_scene *scene)
-{
-    bb_table_set_number(table, row, &bb_column_tetrahedra, scene->prims[BB_TETRAHEDRON].count);
-    bb_table_set_number(table, row, &bb_column_boundary, scene->tets->boundary_count);
-}
-
 static uint32_t row_of(bb_table *table, const char *scene, const bb_contest_way *way,
                        const char *maker, const char *search)
 {
@@ -162,6 +157,8 @@ static void fill_way(bb_table *table, uint32_t row, const bb_contest_way *way, d
     if (way->builder[0] != '\0')
         bb_table_set_number(table, row, &visits, way->visits);
     bb_table_set_number(table, row, &work, way->work);
+    bb_table_set_number(table, row, &restarts, way->restarts);
+    bb_table_set_number(table, row, &query_bytes, (double)way->query_bytes);
     bb_table_set_number(table, row, &differ, (double)way->differ);
     if (way->nodes > 0)
         bb_table_set_number(table, row, &bb_column_bytes, (double)way->bytes);

@@ -27,13 +27,14 @@ typedef struct bb_contest_way {
     uint32_t nodes, leaves;
     uint32_t references;
     uint64_t tree_bytes;
-    uint64_t bytes;      /* of trees and scratch at most, and of layouts */
-    double visits, work; /* nodes and primitives of bb_count, per item */
-    bool light;          /* the answers are light, of which these are known: */
-    double most;         /* the largest difference of a channel from the base, */
-    uint32_t most_8;     /* and that in 8 bits */
-    uint64_t differ;     /* items whose answers differ at all */
-    uint64_t overflown;  /* items for which a stack was too small */
+    uint64_t query_bytes; /* of layouts: what an answer reads, the scene's own not counted */
+    uint64_t bytes;       /* of trees and scratch at most, and of layouts */
+    double visits, work, restarts; /* nodes, primitives and restarts of bb_count, per item */
+    bool light;                    /* the answers are light, of which these are known: */
+    double most;                   /* the largest difference of a channel from the base, */
+    uint32_t most_8;               /* and that in 8 bits */
+    uint64_t differ;               /* items whose answers differ at all */
+    uint64_t overflown;            /* items for which a stack was too small */
 } bb_contest_way;
 
 /* Views of all contests, for bb_page_outline; the last ones are those of trees and phases. */
@@ -48,16 +49,13 @@ extern const bb_table_view bb_contest_views[BB_CONTEST_VIEWS];
 /* Of what is measured, `animate` included. */
 extern const bb_column bb_column_status, bb_column_refused, bb_column_rounds, bb_column_nodes,
     bb_column_tree_bytes, bb_column_bytes, bb_column_phase;
-/* Meshes of tetrahedra; picture: the path of a PNG file from the table's folder. */
-extern const bb_column bb_column_tetrahedra, bb_column_boundary, bb_column_field, bb_column_picture;
+/* The path of a PNG file from the table's folder. */
+extern const bb_column bb_column_picture;
 
 /* Adds the ways. `items`: how many an answer has, such as voxels of a slice. `primitives`: of the
  * scene, which references are counted by; 0: they are not. */
 void bb_contest_fill(bb_table *table, const char *scene, const bb_contest_way *ways, uint32_t count,
                      double items, double primitives);
-
-/* Puts numbers of tetrahedra into the row of a mesh. */
-void bb_contest_fill_mesh(bb_table *table, uint32_t row, const bb_scene *scene);
 
 /* The row of a scene, with a question (NULL: without). */
 uint32_t bb_contest_scene_row(bb_table *table, const char *scene, const char *question);

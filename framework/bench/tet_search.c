@@ -11,25 +11,54 @@ const bb_option bb_tet_search_options[] = {
     {.name = NULL},
 };
 
+/* The layouts that can be searched, and how; NULL ends them. */
+static const struct {
+    const char *layout;
+    bb_tet_search_way way;
+    const bb_option *options;
+} ways[] = {
+    {"skip", BB_SEARCH_SKIP, NULL},
+    {"octree", BB_SEARCH_OCTREE, bb_tet_search_options},
+    {"olbvh", BB_SEARCH_OLBVH, bb_tet_search_options},
+};
+enum { WAYS = sizeof ways / sizeof ways[0] };
+
+/* Returns WAYS if there is none. */
+static uint32_t find_way(const char *layout)
+{
+    uint32_t i = 0;
+    while (i < WAYS && strcmp(ways[i].layout, layout) != 0)
+        i++;
+    return i;
+}
+
 bb_status bb_tet_search_parse(const char *text, bb_spec *spec)
 {
     BB_TRY(bb_spec_parse(text, spec));
-    if (strcmp(spec->name, "skip") == 0)
-        return bb_spec_validate(spec, NULL, "search skip");
-    if (strcmp(spec->name, "octree") == 0)
-        return bb_spec_validate(spec, bb_tet_search_options, "search octree");
-    return bb_fail(BB_INVALID, "there is no search '%s': take skip or octree", spec->name);
+    const uint32_t i = find_way(spec->name);
+    char what[96];
+    if (i == WAYS)
+        return bb_fail(BB_INVALID, "there is no search '%s': take skip, octree or olbvh",
+                       spec->name);
+    snprintf(what, sizeof what, "search %s", spec->name);
+    return bb_spec_validate(spec, ways[i].options, what);
 }
 
 bool bb_tet_search_by_boundary(const bb_spec *spec)
 {
-    return strcmp(spec->name, "octree") == 0 &&
+    const uint32_t i = find_way(spec->name);
+    return i < WAYS && ways[i].options != NULL &&
            bb_spec_is(spec, bb_tet_search_options, "boundary", "yes");
 }
 
 bool bb_tet_search_takes(const bb_layout *layout)
 {
-    return strcmp(layout->name, "skip") == 0 || strcmp(layout->name, "octree") == 0;
+    return find_way(layout->name) < WAYS;
+}
+
+bool bb_tet_search_has_boundary(const bb_tet_search *search)
+{
+    return search->way == BB_SEARCH_OCTREE || search->way == BB_SEARCH_OLBVH;
 }
 
 bb_status bb_tet_search_by(const bb_scene *scene, const bb_layout *layout,
@@ -37,16 +66,18 @@ bb_status bb_tet_search_by(const bb_scene *scene, const bb_layout *layout,
 {
     if (!bb_tet_search_takes(layout))
         return bb_fail(BB_UNSUPPORTED,
-                       "layout %s cannot be searched for tetrahedra: take skip or octree",
+                       "layout %s cannot be searched for tetrahedra: take skip, octree or olbvh",
                        layout->name);
     *search = (bb_tet_search){
-        .way = strcmp(layout->name, "skip") == 0 ? BB_SEARCH_SKIP : BB_SEARCH_OCTREE,
+        .way = ways[find_way(layout->name)].way,
         .scene = scene,
         .data = data,
+        .ends = bb_scene_ends(scene),
         .args = {.root = data->root,
                  .first = scene->prims[BB_TETRAHEDRON].first,
                  .words = bb_leaf_prim_words(data->kinds, data->format),
                  .id_word = bb_leaf_prim_payload(data->kinds, data->format),
+                 .levels = data->levels,
                  .scale = data->scale},
     };
     return BB_OK;
@@ -106,6 +137,11 @@ uint32_t bb_tet_search_args(const bb_tet_search *search, bb_arg args[BB_TET_SEAR
     }
     for (uint32_t i = 0; search->way != BB_SEARCH_ALL && i < search->data->buffer_count; i++)
         args[n++] = BB_MEM(search->data->buffers[i]);
+    if (search->way == BB_SEARCH_OLBVH) {
+        args[n++] = BB_MEM(search->scene->on_device.prims);
+        args[n++] = BB_VALUE(search->ends);
+        args[n++] = BB_MEM(search->scene->on_device.vertices);
+    }
     args[n++] = BB_VALUE(search->args);
     args[n++] = BB_MEM(search->scene->on_device.tet_flags);
     return n;
@@ -131,8 +167,9 @@ bb_status bb_tet_kernels_get(bb_tet_kernels *kernels, bb_device *device, bb_tet_
     if (kernels->option != NULL)
         snprintf(own, sizeof own, " -D%s=%d", kernels->option, option);
     snprintf(defines, sizeof defines,
-             "-DBB_LOCATE_OCTREE=%d -DBB_LOCATE_ALL=%d -DBB_COUNTING=%d -DBB_HAS_DOUBLES=%d%s",
-             way == BB_SEARCH_OCTREE, way == BB_SEARCH_ALL, counting,
+             "-DBB_LOCATE_OCTREE=%d -DBB_LOCATE_OLBVH=%d -DBB_LOCATE_ALL=%d -DBB_COUNTING=%d "
+             "-DBB_HAS_DOUBLES=%d%s",
+             way == BB_SEARCH_OCTREE, way == BB_SEARCH_OLBVH, way == BB_SEARCH_ALL, counting,
              !kernels->floats && bb_device_has_doubles(device), own);
     BB_TRY(bb_program_build(device, bb_source_find(kernels->source), defines, program));
     BB_TRY(bb_kernel_get(*program, kernels->name, slot));
@@ -142,7 +179,7 @@ bb_status bb_tet_kernels_get(bb_tet_kernels *kernels, bb_device *device, bb_tet_
 
 void bb_tet_kernels_release(bb_tet_kernels *kernels)
 {
-    for (int way = 0; way < 3; way++)
+    for (int way = 0; way < BB_SEARCH_WAYS; way++)
         for (int i = 0; i < 4; i++) {
             bb_kernel_release(kernels->kernels[way][i / 2][i % 2]);
             bb_program_release(kernels->programs[way][i / 2][i % 2]);

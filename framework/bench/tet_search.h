@@ -8,8 +8,9 @@
 
 /* ---- choosing ---- */
 
-/* "skip" on any tree; "octree" on one with cells, `boundary=no` without what cells say of the
- * mesh's boundary. BB_INVALID for anything else. */
+/* "skip" on any tree; "octree" on one with cells; "olbvh" on an OLBVH, by its published arrays and
+ * traversal. The latter two with `boundary=no` without what cells say of the mesh's boundary.
+ * BB_INVALID for anything else. */
 extern const bb_option bb_tet_search_options[];
 bb_status bb_tet_search_parse(const char *text, bb_spec *spec);
 
@@ -21,10 +22,12 @@ bool bb_tet_search_by_boundary(const bb_spec *spec);
 typedef enum bb_tet_search_way {
     BB_SEARCH_SKIP,
     BB_SEARCH_OCTREE,
-    BB_SEARCH_ALL
+    BB_SEARCH_OLBVH,
+    BB_SEARCH_ALL,
+    BB_SEARCH_WAYS
 } bb_tet_search_way;
 
-enum { BB_TET_SEARCH_ARGS = 5 };
+enum { BB_TET_SEARCH_ARGS = 11 };
 
 /* One scene's tetrahedra by one way. It must not move once args were asked for. */
 typedef struct bb_tet_search {
@@ -32,11 +35,15 @@ typedef struct bb_tet_search {
     const bb_scene *scene; /* on the device */
     const bb_layout_data *data;
     const bb_buffer *list;
+    bb_prim_ends ends;
     bb_locate_args args;
 } bb_tet_search;
 
-/* Whether such a layout can be searched: "skip" and "octree". */
+/* Whether such a layout can be searched: "skip", "octree" and "olbvh". */
 bool bb_tet_search_takes(const bb_layout *layout);
+
+/* Whether the way has cells that say whether they list a primitive of the mesh's boundary. */
+bool bb_tet_search_has_boundary(const bb_tet_search *search);
 
 /* BB_UNSUPPORTED for other layouts. */
 bb_status bb_tet_search_by(const bb_scene *scene, const bb_layout *layout,
@@ -46,8 +53,7 @@ bb_status bb_tet_search_by(const bb_scene *scene, const bb_layout *layout,
 bb_status bb_tet_list_make(const bb_scene *scene, bb_buffer *list);
 void bb_tet_search_all(const bb_scene *scene, const bb_buffer *list, bb_tet_search *search);
 
-/* The first arguments of a kernel: nodes, leaf primitives, the grid of a layout with cells, `args`,
- * flags. Their number. */
+/* The first arguments of a kernel, BB_LOCATE_PARAMETERS in kernels/locate.clh. Their number. */
 uint32_t bb_tet_search_args(const bb_tet_search *search, bb_arg args[BB_TET_SEARCH_ARGS]);
 
 /* ---- kernels ---- */
@@ -57,8 +63,8 @@ typedef struct bb_tet_kernels {
     const char *source, *name; /* of the file and of the kernel in it */
     const char *option;        /* a macro of the file's own, 0 or 1; NULL: none */
     bool floats;               /* as on a device that has no doubles */
-    cl_program programs[3][2][2];
-    cl_kernel kernels[3][2][2]; /* by way, option, counting */
+    cl_program programs[BB_SEARCH_WAYS][2][2];
+    cl_kernel kernels[BB_SEARCH_WAYS][2][2]; /* by way, option, counting */
 } bb_tet_kernels;
 
 bb_status bb_tet_kernels_get(bb_tet_kernels *kernels, bb_device *device, bb_tet_search_way way,

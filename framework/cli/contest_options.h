@@ -18,7 +18,7 @@ extern const bb_cli_option bb_contest_options[];
 
 #define BB_SEARCH_OPTION(type, member, start)                                                      \
     {                                                                                              \
-        "search", "S", start "skip, octree, octree:boundary=no", BB_INTO(type, member),            \
+        "search", "S", start "skip, octree, olbvh, octree:boundary=no", BB_INTO(type, member),     \
             .fallback = "skip,octree"                                                              \
     }
 

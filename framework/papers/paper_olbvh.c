@@ -1,8 +1,11 @@
 /* Stroeter, Mueller-Roemer, Stork, Fellner: OLBVH: octree linear bounding volume hierarchy for
  * volumetric meshes. The Visual Computer 36, 2020.
  *
- * Memory and build (table 2, figure 6), volume rendering (figure 7), slices (figure 8) and overlaps
- * (figure 10) by OLBVH, alpha 0 to 2, and by the LBVH of the same tetrahedra. The figures' bars
+ * Meshes (table 1), memory and build (table 2, figure 6), volume rendering (figure 7) with and
+ * without the boundary's flags (table 3), slices (figure 8) and overlaps (figure 10) by OLBVH, alpha
+ * 0 to 2, and by the LBVH of the same tetrahedra. OLBVH is searched in three ways: as published
+ * (`olbvh`: algorithm 3 on the paper's arrays), by our descent by octants (`octree`), and as any
+ * tree (`skip`). The figures' bars
  * have no numbers in the text; of the paper there are table 2 and the ranges of its words. Its
  * meshes are not to be had: here a ball, a regular block (as "Jets"), a shell (as "Part" and "Pot")
  * and a block whose cubes grow (as those with large variance), or what is asked for.
@@ -16,8 +19,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MESHES_MAX = 16 };
-enum { RENDERING, SLICE, OVERLAP, TASKS }; /* experiments, in order */
+enum { MESHES_MAX = 16, PICTURE = 1024, SLICE_SIDE = 999 }; /* sides: the paper's */
+enum { RENDERING, SLICE, OVERLAP, TASKS };                  /* experiments, in order */
 
 #define LBVH "lbvh"
 #define ALPHA0 "olbvh"
@@ -25,8 +28,8 @@ enum { RENDERING, SLICE, OVERLAP, TASKS }; /* experiments, in order */
 #define ALPHA2 "olbvh:alpha=2"
 
 static const char *const builders[] = {LBVH, ALPHA0, ALPHA1, ALPHA2};
-static const char *const searches[] = {"skip", "octree"};
-enum { BUILDERS = sizeof builders / sizeof builders[0], SEARCHES = 2 };
+static const char *const searches[] = {"skip", "octree", "olbvh", "olbvh:boundary=no"};
+enum { BUILDERS = sizeof builders / sizeof builders[0], SEARCHES = 3, SEARCHES_RENDERING };
 
 static const char *const meshes[] = {"tets:side=24", "tets:side=24,shape=block,jitter=0",
                                      "tets:side=32,shape=shell",
@@ -59,12 +62,13 @@ static bb_status render(const bb_reproduce_request *request, bb_scene *scene, co
 {
     bb_transfer transfer;
     BB_TRY(bb_transfer_load(bb_transfer_presets[0].name, &transfer));
-    const uint32_t side = request->quick ? 12 : 96;
-    const bb_dvr_request dvr = {.contest = contest_of(request, name),
-                                .transfer = &transfer,
-                                .width = side,
-                                .height = side,
-                                .step = 1};
+    const uint32_t side = request->quick ? 12 : request->full_size ? PICTURE : 96;
+    bb_dvr_request dvr = {.contest = contest_of(request, name),
+                          .transfer = &transfer,
+                          .width = side,
+                          .height = side,
+                          .step = 1};
+    dvr.contest.search_count = SEARCHES_RENDERING;
     note_side(table, name, side);
     return bb_dvr_run(&dvr, scene, table);
 }
@@ -72,7 +76,7 @@ static bb_status render(const bb_reproduce_request *request, bb_scene *scene, co
 static bb_status cut(const bb_reproduce_request *request, bb_scene *scene, const char *name,
                      bb_table *table)
 {
-    const uint32_t side = request->quick ? 16 : 333;
+    const uint32_t side = request->quick ? 16 : request->full_size ? SLICE_SIDE : 333;
     const double height = (double)scene->bounds.hi[2] - (double)scene->bounds.lo[2];
     const bb_slice_request slice = {
         .contest = contest_of(request, name),
@@ -145,7 +149,14 @@ static const bb_figure bytes[] = {{OVER("tree_bytes", ALPHA0, LBVH)},
                                   {OVER("tree_bytes", ALPHA1, LBVH)},
                                   {OVER("tree_bytes", ALPHA2, LBVH)}},
                        build = {.what = "build_ms", .base = LBVH, .base_kernel = "skip"},
-                       speed = {SPEED}, speedup = {SPEED, .builder = ALPHA0, .kernel = "octree"};
+                       speed = {SPEED}, speedup = {SPEED, .builder = ALPHA0, .kernel = "olbvh"},
+                       by_octants = {SPEED, .builder = ALPHA0, .kernel = "octree"};
+#define NODES(builder_, search)                                                                    \
+    {                                                                                              \
+        .what = "nodes_per_item", .builder = builder_, .kernel = search                            \
+    }
+static const bb_figure nodes_lbvh = NODES(LBVH, "skip"), nodes_published = NODES(ALPHA0, "olbvh"),
+                       nodes_octants = NODES(ALPHA0, "octree");
 /* Of one alpha over the one before. */
 static const bb_figure less1 = {OVER("tree_bytes", ALPHA1, ALPHA0)},
                        less2 = {OVER("tree_bytes", ALPHA2, ALPHA1)};
@@ -186,6 +197,50 @@ static const bb_paper_column memory_columns[] = {
     {.heading = NULL},
 };
 
+/* Table 1: ratio of volumes; inradius over circumradius, least, median, most. */
+static const bb_paper_numbers shapes[] = {
+    {"Bar", {1, 0.233, 0.233, 0.233}},        {"Bunny", {5.5e5, 0.005, 0.126, 0.331}},
+    {"Cube", {183, 0.043, 0.268, 0.333}},     {"Cylinder", {693, 0.059, 0.259, 0.333}},
+    {"Die", {2.5e4, 0.002, 0.256, 0.333}},    {"Dragon", {2.6e11, 0.011, 0.258, 0.333}},
+    {"Fusion", {128, 0.007, 0.054, 0.196}},   {"Gargoyle", {5.2e11, 0.000, 0.195, 0.333}},
+    {"Jets", {1, 0.239, 0.239, 0.239}},       {"Part", {4.4e3, 0.003, 0.266, 0.333}},
+    {"Pot", {586, 0.022, 0.259, 0.333}},      {"Tardis", {1.2e8, 0.011, 0.258, 0.333}},
+    {"Wrench", {2.5e6, 0.000, 0.197, 0.333}}, {.name = NULL},
+};
+
+#define SHAPE(heading_, what_, paper_, decimals_)                                                  \
+    {                                                                                              \
+        .heading = heading_, .decimals = decimals_, .paper = paper_, .figure = &(const bb_figure)  \
+        {                                                                                          \
+            .what = what_                                                                          \
+        }                                                                                          \
+    }
+static const bb_paper_column shape_columns[] = {
+    MESH,
+    {.heading = "tetrahedra", .figure = &(const bb_figure){.what = "tetrahedra"}},
+    SHAPE("volume ratio", "volume_ratio", 1, 0),
+    SHAPE("aspect min", "aspect_min", 2, 3),
+    SHAPE("median", "aspect_median", 3, 3),
+    SHAPE("max", "aspect_max", 4, 3),
+    {.heading = NULL},
+};
+
+/* Table 3: the time of the search for intervals by the boundary's flags, in ms, is not apart here;
+ * what it gains or costs is. */
+static const bb_figure marked_ms = {.what = "answer_ms", .kernel = "olbvh"},
+                       unmarked_ms = {.what = "answer_ms", .kernel = "olbvh:boundary=no"},
+                       marked = {.what = "answer_ms",
+                                 .kernel = "olbvh",
+                                 .base_kernel = "olbvh:boundary=no"};
+static const bb_paper_column marker_columns[] = {
+    MESH,
+    BB_COLUMN_OF("builder", BB_SHOW_BUILDER),
+    {.heading = "ms with flags", .decimals = 2, .figure = &marked_ms},
+    {.heading = "without", .decimals = 2, .figure = &unmarked_ms},
+    BB_COLUMN_INTERVAL("with / without", &marked),
+    {.heading = NULL},
+};
+
 static const bb_paper_column build_columns[] = {
     MESH,
     BB_COLUMN_OF("builder", BB_SHOW_BUILDER),
@@ -205,6 +260,8 @@ static const bb_paper_column task_columns[] = {
     BB_COLUMN_INTERVAL("speed/LBVH", &speed),
     BB_COLUMN_AS("nodes", 1, .what = "nodes_per_item"),
     BB_COLUMN_AS("tests", 2, .what = "tests_per_item"),
+    BB_COLUMN_AS("restarts", 2, .what = "restarts_per_item"),
+    BB_COLUMN_AS("MiB to query", 2, .what = "query_bytes", .scale = 1.0 / (1 << 20)),
     BB_COLUMN_AS("wrong", 0, .what = "differ"),
     BB_COLUMN_OF("paper", BB_SHOW_NOTE),
     {.heading = NULL},
@@ -221,13 +278,19 @@ static const bb_paper_entrant trees[] = {
     WAY(ALPHA2, "octree", NULL),
     {.name = NULL},
 };
+static const bb_paper_entrant alphas[] = {
+    WAY(ALPHA0, NULL, NULL),
+    WAY(ALPHA1, NULL, NULL),
+    WAY(ALPHA2, NULL, NULL),
+    {.name = NULL},
+};
 /* The paper's ranges of speeds over LBVH's, for each alpha. */
+#define OF_ALPHA(alpha, note)                                                                      \
+    WAY(alpha, "olbvh", note), WAY(alpha, "octree", NULL), WAY(alpha, "skip", NULL)
 #define WAYS(alpha0, alpha1, alpha2)                                                               \
     {                                                                                              \
-        WAY(LBVH, "skip", NULL), WAY(LBVH, "octree", NULL), WAY(ALPHA0, "skip", NULL),             \
-            WAY(ALPHA0, "octree", alpha0), WAY(ALPHA1, "skip", NULL),                              \
-            WAY(ALPHA1, "octree", alpha1), WAY(ALPHA2, "skip", NULL),                              \
-            WAY(ALPHA2, "octree", alpha2),                                                         \
+        WAY(LBVH, "skip", NULL), OF_ALPHA(ALPHA0, alpha0), OF_ALPHA(ALPHA1, alpha1),               \
+            OF_ALPHA(ALPHA2, alpha2),                                                              \
         {                                                                                          \
             .name = NULL                                                                           \
         }                                                                                          \
@@ -245,18 +308,24 @@ static void say_side(bb_paper_place at, const char *what, int paper, bb_words *t
 
 static void say_picture(bb_paper_place at, bb_words *title)
 {
-    say_side(at, "pictures", 1024, title);
+    say_side(at, "pictures", PICTURE, title);
 }
 
 static void say_slice(bb_paper_place at, bb_words *title)
 {
-    say_side(at, "slices", 999, title);
+    say_side(at, "slices", SLICE_SIDE, title);
 }
 
 static const bb_figure answer_ms = {.what = "answer_ms"};
 #define OF_TASK(task, rows_)                                                                       \
     .of = task, .columns = task_columns, .rows = rows_, .by_scene = true, .needs = &answer_ms
 static const bb_paper_table tables[] = {
+    {.title =
+         "Meshes: volume of the largest tetrahedron over the smallest's, aspect ratios (table 1)",
+     .columns = shape_columns,
+     .by_scene = true,
+     .paper = shapes,
+     .paper_last = true},
     {.title = "Memory of the tree, MiB and over that of LBVH (table 2)",
      .columns = memory_columns,
      .by_scene = true,
@@ -270,6 +339,12 @@ static const bb_paper_table tables[] = {
     {.title = "volume rendering: speed over that of LBVH (figure 7); ",
      .title_words = say_picture,
      OF_TASK(RENDERING, rendering)},
+    {.title = "volume rendering as published, with and without the boundary's flags (table 3)",
+     .of = RENDERING,
+     .columns = marker_columns,
+     .rows = alphas,
+     .by_scene = true,
+     .needs = &answer_ms},
     {.title = "slice: speed over that of LBVH (figure 8); ",
      .title_words = say_slice,
      OF_TASK(SLICE, slicing)},
@@ -283,9 +358,12 @@ static const bb_paper_table tables[] = {
     .ours = {{.each = true, .text = "{scene}: {0.2}, {1.2}, {2.2}"}},                              \
     .why = {{.each = true, .always = true, .text = "{scene}: {3.1} references a tetrahedron"}}
 #define FASTER(task, claimed_)                                                                     \
-    .of = task, .figures = {&speedup},                                                             \
+    .of = task, .figures = {&speedup, &by_octants, &nodes_lbvh, &nodes_published, &nodes_octants}, \
     .tests = {{.over = BB_MOST_OF, .side = BB_ABOVE, .bound = 1, .claimed = claimed_}},            \
-    .ours = {{.each = true, .text = "{scene}: {0}"}}
+    .ours = {{.each = true, .text = "{scene}: {0}, by octants {1}"}},                              \
+    .why = {{.each = true,                                                                         \
+             .always = true,                                                                       \
+             .text = "{scene}: {2.0} nodes by LBVH, {3.0} as published, {4.0} by octants"}}
 
 #define OF_BUILDS(which_)                                                                          \
     .rows = trees, .which = which_, .together = true, .of_scenes = true, .figures = {&build}

@@ -13,7 +13,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { SIZES_MAX = 8, BRICK = 8 };
+enum { SIZES_MAX = 8, BRICK = 8, PAPER_SIDE = 2160 }; /* the last: the paper's */
 enum { OF_SIZES, FULL }; /* some volumes; one of them with nothing to skip */
 #define VOLUME_BUILDER "vlbvh"
 #define NO_TREE "no tree"
@@ -60,11 +60,12 @@ static bb_status measure_scene(const bb_reproduce_request *request, const char *
                                bb_scene *scene, bb_findings *f, bool *wrong)
 {
     static const char *const builders[] = {VOLUME_BUILDER}, *const kernels[] = {"stack", "stack8"};
+    const uint32_t side = request->quick ? 16 : request->full_size ? PAPER_SIDE : 192;
     bb_dvr_request dvr = {
         .contest = bb_paper_contest(request, name),
         .turns = request->quick ? 1 : 4,
-        .width = request->quick ? 16 : 192,
-        .height = request->quick ? 16 : 192,
+        .width = side,
+        .height = side,
         .step = 0.5,
     };
     dvr.contest.builders = builders;
@@ -223,10 +224,10 @@ static const bb_paper_entrant ways[] = {
 static void say_sizes(bb_paper_place at, bb_words *title)
 {
     const bb_cell first = {{[BB_SCENE] = at.all->scene_count > 0 ? at.all->scenes[0] : ""}};
-    bb_say(title, "pictures of %g x %g pixels, %g about each axis (paper: 2160 x 2160, 180)",
+    bb_say(title, "pictures of %g x %g pixels, %g about each axis (paper: %d x %d, 180)",
            bb_find(at.all, &first, "picture_width").number,
            bb_find(at.all, &first, "picture_height").number,
-           bb_find(at.all, &first, "turns").number);
+           bb_find(at.all, &first, "turns").number, PAPER_SIDE, PAPER_SIDE);
 }
 
 static const bb_paper_table tables[] = {

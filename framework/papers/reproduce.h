@@ -66,6 +66,7 @@ struct bb_reproduce_request {
     char *const *scenes; /* instead of the experiments' own, where they take any */
     uint32_t scene_count;
     bool quick;       /* small scenes, few rays, two rounds: shows that it works, measures little */
+    bool full_size;   /* pictures and slices of the paper's size */
     uint32_t repeats; /* 0: as the experiments say */
     uint64_t max_prims; /* the largest '#' */
     uint64_t seed;

@@ -1,6 +1,7 @@
 /* A comparison as rows of a table, and what its page shows. */
 #include "framework/base/json.h"
 #include "framework/tasks/dvr_private.h"
+#include "framework/tasks/mesh_row.h"
 
 #include <stdio.h>
 
@@ -85,9 +86,8 @@ static void fill_volume(const bb_dvr *dvr, uint32_t row, bb_table *table)
 static void fill_mesh(const bb_dvr *dvr, uint32_t row, bb_table *table)
 {
     bb_table_set_text(table, row, &transfer, dvr->request->transfer->name);
-    bb_contest_fill_mesh(table, row, dvr->scene);
+    bb_mesh_fill(table, row, dvr->scene);
     bb_table_set_number(table, row, &vertices, dvr->scene->vertex_count);
-    bb_table_set_text(table, row, &bb_column_field, dvr->scene->tets->field_name);
     bb_table_set_text(table, row, &unit, "1/128 of the longest side");
 }
 

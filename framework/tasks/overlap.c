@@ -11,12 +11,14 @@ enum {
 
 const bb_overlapper bb_overlapper_init = {
     .overlap = {.source = "overlap_tets.cl", .name = "overlap_tets", .option = "BB_OVERLAP_FLAGS"},
-    .inside = {.source = "octree_inside.cl", .name = "octree_inside"}};
+    .cells_inside = {.source = "octree_inside.cl", .name = "octree_inside"},
+    .leaves_inside = {.source = "olbvh_inside.cl", .name = "olbvh_inside"}};
 
 void bb_overlapper_release(bb_overlapper *overlapper)
 {
     bb_tet_kernels_release(&overlapper->overlap);
-    bb_tet_kernels_release(&overlapper->inside);
+    bb_tet_kernels_release(&overlapper->cells_inside);
+    bb_tet_kernels_release(&overlapper->leaves_inside);
 }
 
 bb_status bb_overlap_check(const bb_overlapper *overlapper, const bb_scene *scene,
@@ -38,14 +40,17 @@ bb_status bb_overlap_check(const bb_overlapper *overlapper, const bb_scene *scen
 static bb_status find_inside(bb_overlapper *overlapper, const bb_tet_search *search)
 {
     const uint32_t bits = INSIDE_BITS;
+    const bool of_cells = search->way == BB_SEARCH_OCTREE;
+    bb_device *device = search->scene->on_device.device;
     bb_arg args[BB_TET_SEARCH_ARGS + 1];
     cl_kernel kernel;
-    BB_TRY(bb_tet_kernels_get(&overlapper->inside, search->scene->on_device.device, search->way,
-                              false, false, &kernel));
+    BB_TRY(bb_tet_kernels_get(of_cells ? &overlapper->cells_inside : &overlapper->leaves_inside,
+                              device, search->way, false, false, &kernel));
     uint32_t n = bb_tet_search_args(search, args);
+    if (!of_cells)
+        return bb_launch_args(device, kernel, search->data->leaves, GROUP_SIZE, args, n);
     args[n++] = BB_VALUE(bits);
-    return bb_launch_args(search->scene->on_device.device, kernel, (size_t)1 << 3 * bits,
-                          GROUP_SIZE, args, n);
+    return bb_launch_args(device, kernel, (size_t)1 << 3 * bits, GROUP_SIZE, args, n);
 }
 
 bb_status bb_overlap(bb_overlapper *overlapper, const bb_scene *scene, const bb_tet_search *search,
@@ -58,7 +63,7 @@ bb_status bb_overlap(bb_overlapper *overlapper, const bb_scene *scene, const bb_
     bb_arg args[BB_TET_SEARCH_ARGS + 8];
     cl_kernel kernel;
     BB_TRY(bb_overlap_check(overlapper, scene, search->scene));
-    if (by_flags && search->way != BB_SEARCH_OCTREE)
+    if (by_flags && !bb_tet_search_has_boundary(search))
         return bb_fail(BB_UNSUPPORTED,
                        "there are no cells with flags of the boundary to find the inside by");
     if (by_flags)

@@ -6,7 +6,7 @@
 
 /* Variants of the kernels: `bb_overlapper_init` begins one, which is to be released. */
 typedef struct bb_overlapper {
-    bb_tet_kernels overlap, inside;
+    bb_tet_kernels overlap, cells_inside, leaves_inside;
 } bb_overlapper;
 
 extern const bb_overlapper bb_overlapper_init;

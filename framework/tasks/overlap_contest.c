@@ -1,6 +1,7 @@
 #include "framework/tasks/overlap_contest.h"
 
 #include "framework/base/memory.h"
+#include "framework/tasks/mesh_row.h"
 #include "framework/tasks/overlap_paint.h"
 
 #include <stdio.h>
@@ -48,7 +49,6 @@ static bb_status see(void *self, uint32_t direction, const void *first, uint32_t
 
 /* ---- as rows of a table ---- */
 
-BB_EXACT(flat, "flat_tetrahedra", "without a volume", "", "Tetrahedra of the mesh.", NEITHER, 0);
 BB_EXACT(meeting, "meeting", "meet the other mesh", "", "Tetrahedra of the mesh.", NEITHER, 0);
 
 const bb_page_outline bb_overlap_outline = {
@@ -74,8 +74,7 @@ static void fill(void *self, bb_table *table, uint32_t both)
         const uint32_t row = bb_contest_scene_row(table, o->name, question);
         for (uint32_t i = 0; i < tets_of(scene); i++)
             met += o->answers[s][i] != 0;
-        bb_contest_fill_mesh(table, row, scene);
-        bb_table_set_number(table, row, &flat, scene->tets->flat_count);
+        bb_mesh_fill(table, row, scene);
         bb_table_set_number(table, row, &meeting, met);
     }
 }

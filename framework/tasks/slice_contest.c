@@ -3,6 +3,7 @@
 #include "framework/base/memory.h"
 #include "framework/picture/exr.h"
 #include "framework/picture/image.h"
+#include "framework/tasks/mesh_row.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -121,8 +122,7 @@ static void fill(void *self, bb_table *table, uint32_t row)
     const bb_slice_plan *plan = &s->request.plan;
     const double all = (double)plan->width * plan->height * plan->count;
     const char across[2] = {"xyz"[plan->axis], '\0'};
-    bb_contest_fill_mesh(table, row, s->scene);
-    bb_table_set_text(table, row, &bb_column_field, s->scene->tets->field_name);
+    bb_mesh_fill(table, row, s->scene);
     bb_table_set_number(table, row, &slices, plan->count);
     bb_table_set_number(table, row, &width, plan->width);
     bb_table_set_number(table, row, &height, plan->height);
