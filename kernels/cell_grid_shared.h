@@ -15,10 +15,13 @@ typedef struct bb_cell_grid {
     bb_u32 pad;
 } bb_cell_grid;
 
-/* A node of an octree of cells, in the tree's side array "cells". Children of a node are adjacent,
- * by ascending octant. */
-#define BB_CELL_OCTANT 7u   /* its octant in its parent; x is the highest bit */
-#define BB_CELL_BOUNDARY 8u /* a primitive of the boundary is listed below it */
+/* A node of an octree of cells, in the tree's side array "cells": its octant in its parent, of which
+ * x is the highest bit, and in the other bits how many references to primitives of the boundary are
+ * below it, at most BB_CELL_MARKED_MAX. A leaf lists them before all others. Children of a node are
+ * adjacent, by ascending octant. */
+#define BB_CELL_OCTANT 7u
+#define BB_CELL_MARKED_SHIFT 3u
+#define BB_CELL_MARKED_MAX 0x1FFFFFFFu
 
 #ifndef __OPENCL_VERSION__
 BB_STATIC_ASSERT(sizeof(bb_cell_grid) == 48, "bb_cell_grid");

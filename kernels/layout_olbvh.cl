@@ -22,7 +22,7 @@ kernel void olbvh_layout_nodes(global const bb_node *nodes, global const uint *c
         return;
     vstore3(vload3(0, nodes[n].lo), 2u * n, bv);
     vstore3(vload3(0, nodes[n].hi), 2u * n + 1u, bv);
-    bf[n] = (cells[n] & BB_CELL_BOUNDARY) != 0u ? 1 : 0;
+    bf[n] = cells[n] >> BB_CELL_MARKED_SHIFT > 0u ? 1 : 0;
     po[n] = tree_po[n];
     if (n + 1u == count)
         po[count] = refs;

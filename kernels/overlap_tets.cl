@@ -22,7 +22,7 @@
 #endif
 
 typedef struct bb_visitor {
-    float3 lo, hi;     /* of the first mesh's tetrahedron, in the unit of leaf primitives */
+    float3 lo, hi, from; /* tet_walk.clh: of the first mesh's tetrahedron */
     float3 corners[4]; /* the same */
     uint flags;
     uint tests;
@@ -85,7 +85,7 @@ bool bb_visit_cell(bb_visitor *visitor, uint index, uint2 node, uint3 cell)
 #else
     (void)cell;
 #endif
-    return bb_walk_leaf(visitor->tree, node.x, visitor);
+    return bb_walk_cell(visitor->tree, node, visitor);
 }
 #elif BB_LOCATE_OLBVH
 bool bb_visit_leaf(bb_visitor *visitor, uint leaf)

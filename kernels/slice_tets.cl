@@ -17,7 +17,8 @@
 #include "solids.clh"
 
 typedef struct bb_visitor {
-    float3 lo, hi, centre; /* of the voxel */
+    float3 lo, hi, from; /* tet_walk.clh: of the voxel */
+    float3 centre;
     bb_real least;         /* smallest squared distance so far */
     uint nearest, tests;
     const bb_locate_tree *tree;
@@ -67,14 +68,15 @@ bool bb_visit_tet(bb_visitor *visitor, uint prim, uint flags, const float3 corne
 #if BB_LOCATE_OLBVH
 bool bb_visit_leaf(bb_visitor *visitor, uint leaf)
 {
+    bb_walk_from(visitor->tree, vload3(2u * leaf, visitor->tree->olbvh.bv), visitor);
     return bb_walk_leaf(visitor->tree, leaf, visitor);
 }
 #elif BB_LOCATE_OCTREE
 bool bb_visit_cell(bb_visitor *visitor, uint index, uint2 node, uint3 cell)
 {
     (void)index;
-    (void)cell;
-    return bb_walk_leaf(visitor->tree, node.x, visitor);
+    bb_walk_from(visitor->tree, bb_cell_corner(&visitor->tree->grid, cell), visitor);
+    return bb_walk_cell(visitor->tree, node, visitor);
 }
 #endif
 

@@ -1,7 +1,11 @@
 /* `bvhbench slice` and `bvhbench overlap` from outside: what they measure, write and refuse. */
 #include "framework/base/memory.h"
+#include "framework/base/random.h"
 #include "framework/picture/exr.h"
 #include "tests/table_fixture.h"
+
+#include <math.h>
+#include <stdlib.h>
 
 /* Four ways of lbvh and olbvh by skip and octree after one without a tree; lbvh has no cells. */
 static void expect_ways(const bb_table *table, const char *scene, uint32_t rounds)
@@ -163,6 +167,73 @@ static void a_mesh_overlaps_itself(void **state)
     bb_table_free(table);
 }
 
+/* Six tetrahedra of a cube: table 1 of the OLBVH's paper has 0.239 for its meshes of such. */
+static void shapes_are_told(void **state)
+{
+    (void)state;
+    const outcome *o = run("slice --scene tets:side=2,shape=block,jitter=0 --builder lbvh --search "
+                           "skip --slices 1 --size 4x4 --repeats 1 --out shapes");
+    assert_int_equal(o->exit_status, 0);
+    bb_table *table = read_table("shapes/slice.json");
+    const bb_cell scene = {{[BB_SCENE] = "tets:side=2,shape=block,jitter=0"}};
+    static const char *const names[] = {"aspect_min", "aspect_median", "aspect_max"};
+    for (int i = 0; i < 3; i++)
+        assert_true(fabs(number(table, scene, names[i]) - 0.23915) < 1e-4);
+    assert_true(fabs(number(table, scene, "volume_ratio") - 1) < 1e-5);
+    bb_table_free(table);
+}
+
+/* Writes a mesh of small tetrahedra, far apart, in a box of side 1. */
+static void write_sparse_mesh(uint32_t count)
+{
+    char *nodes = malloc(count * 4 * 96), *elements = malloc(count * 48);
+    size_t n = (size_t)sprintf(nodes, "%u 3 0 0\n", 4 * count);
+    size_t e = (size_t)sprintf(elements, "%u 4 0\n", count);
+    bb_random random = bb_random_make(7, 0);
+    for (uint32_t i = 0; i < count; i++) {
+        double at[3];
+        for (int k = 0; k < 3; k++)
+            at[k] = bb_random_unit(&random);
+        for (int c = 0; c < 4; c++)
+            n += (size_t)sprintf(nodes + n, "%u %.7f %.7f %.7f\n", 4 * i + (uint32_t)c,
+                                 at[0] + (c == 1) / 400.0, at[1] + (c == 2) / 400.0,
+                                 at[2] + (c == 3) / 400.0);
+        e += (size_t)sprintf(elements + e, "%u %u %u %u %u\n", i, 4 * i, 4 * i + 1, 4 * i + 2,
+                             4 * i + 3);
+    }
+    write_file("sparse.node", nodes, n);
+    write_file("sparse.ele", elements, e);
+    free(nodes);
+    free(elements);
+}
+
+/* By the arrays of an OLBVH alone, on a tree deeper than the stack: it begins again at the root. */
+static void the_published_traversal_restarts(void **state)
+{
+    (void)state;
+    write_sparse_mesh(400);
+    const outcome *o = run("slice --scene sparse.ele --builder olbvh:bits=9 --search octree,olbvh "
+                           "--slices 1 --size 3x3 --thickness 1 --repeats 1 --out deep");
+    if (o->exit_status != 0)
+        fail_msg("exit %d: %s%s", o->exit_status, o->out, o->err);
+    bb_table *table = read_table("deep/slice.json");
+    const char *scene = "sparse.ele", *builder = "olbvh:bits=9";
+    const bb_cell tree = {{[BB_SCENE] = scene, [BB_BUILDER] = builder}};
+    const bb_cell octants = {
+        {[BB_SCENE] = scene, [BB_BUILDER] = builder, [BB_INTERSECTOR] = "octree"}};
+    const bb_cell published = {
+        {[BB_SCENE] = scene, [BB_BUILDER] = builder, [BB_INTERSECTOR] = "olbvh"}};
+    const double nodes = number(table, tree, "nodes"), leaves = number(table, tree, "leaves");
+    const double references = number(table, tree, "references"), levels = 10;
+    assert_true(number(table, published, "differ") == 0);
+    assert_true(number(table, octants, "restarts_per_item") == 0);
+    assert_true(number(table, published, "restarts_per_item") > 1);
+    assert_true(number(table, published, "query_bytes") ==
+                24 * nodes /* BV */ + 4 * references + 4 * (nodes - leaves + 1) /* CO */ +
+                    4 * (nodes + 1) /* PO */ + nodes + 4 * levels);
+    bb_table_free(table);
+}
+
 /* A scene may be measured twice; then it has two names. */
 static void a_scene_may_be_there_twice(void **state)
 {
@@ -243,6 +314,8 @@ int main(void)
         cmocka_unit_test(overlaps_are_compared_and_drawn),
         cmocka_unit_test(answers_that_differ_are_status_1),
         cmocka_unit_test(a_mesh_overlaps_itself),
+        cmocka_unit_test(shapes_are_told),
+        cmocka_unit_test(the_published_traversal_restarts),
         cmocka_unit_test(a_scene_may_be_there_twice),
         cmocka_unit_test(names_that_are_alike_are_two),
         cmocka_unit_test(what_cannot_be_is_said_in_one_line),

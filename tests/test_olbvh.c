@@ -45,8 +45,8 @@ static uint32_t cell_of(const cells *grid, int axis, float x)
 typedef struct reference {
     uint32_t nodes, inner, references;
     uint32_t level_ends[BB_CELL_BITS_MAX + 1];
-    uint32_t *refs; /* of all leaves, in their order */
-    uint32_t *begin, *end, *children, *boundary;
+    uint32_t *refs;                              /* of all leaves, in their order */
+    uint32_t *begin, *end, *children, *boundary; /* boundary: how many references */
     bb_box *boxes;
 } reference;
 
@@ -78,14 +78,16 @@ static void descend(const bb_scene *scene, const cells *grid, const uint32_t *pr
     tree->begin[node] = tree->references;
     tree->boundary[node] = 0;
     if (level == grid->bits) {
-        for (uint32_t i = 0; i < count; i++)
-            tree->refs[tree->references++] = prims[i];
+        for (int marked = 1; marked >= 0; marked--) /* those of the boundary first */
+            for (uint32_t i = 0; i < count; i++)
+                if (is_boundary(scene, prims[i]) == (marked == 1))
+                    tree->refs[tree->references++] = prims[i];
         for (int axis = 0; axis < 3; axis++) {
             box->lo[axis] = plane(grid, axis, at[axis]);
             box->hi[axis] = plane(grid, axis, at[axis] + 1);
         }
         for (uint32_t i = 0; i < count; i++)
-            tree->boundary[node] |= is_boundary(scene, prims[i]);
+            tree->boundary[node] += is_boundary(scene, prims[i]);
     }
     bool first = true;
     for (uint32_t octant = 0; octant < 8 && level < grid->bits; octant++) {
@@ -99,7 +101,7 @@ static void descend(const bb_scene *scene, const cells *grid, const uint32_t *pr
         if (found == 0)
             continue;
         descend(scene, grid, inside, found, level + 1, child, numbers, tree, &part);
-        tree->boundary[node] |= tree->boundary[number];
+        tree->boundary[node] += tree->boundary[number];
         tree->children[node]++;
         for (int axis = 0; axis < 3; axis++) {
             box->lo[axis] = first ? part.lo[axis] : fminf(box->lo[axis], part.lo[axis]);
@@ -248,7 +250,7 @@ static void expect_tree(const bb_scene *scene, bb_tree *tree, const reference *e
         const bb_node *node = &tree->nodes[i];
         assert_memory_equal(node->lo, expected->boxes[i].lo, sizeof node->lo);
         assert_memory_equal(node->hi, expected->boxes[i].hi, sizeof node->hi);
-        assert_int_equal((((const uint32_t *)marks->host)[i] & BB_CELL_BOUNDARY) != 0,
+        assert_int_equal(((const uint32_t *)marks->host)[i] >> BB_CELL_MARKED_SHIFT,
                          expected->boundary[i]);
     }
     check(bb_tree_check(tree, scene), "tree");

@@ -12,7 +12,8 @@
  * - Algorithm 2 finds children level by level, by the positions where they end. Here nodes that end
  *   at one position have adjacent slots before they are sorted by level, so the last child of a
  *   node is in the slot after its own, and one pass links them all.
- * - BF is a bit of the tree's side array `cells`; CO and PO are its side arrays `co` and `po`, PO
+ * - BF is whether the tree's side array `cells` counts references to boundary primitives below a
+ *   node; those of a leaf come first. CO and PO are its side arrays `co` and `po`, PO
  *   without its last entry, the number of references.
  * - A node's flag comes from a prefix sum over the references' flags, not from a loop over them.
  * - Cells list primitives by their boxes, so a cell without boundary primitives can still be
@@ -61,12 +62,13 @@ typedef struct olbvh {
     bb_primitives *primitives;
     cl_program program;
     cl_kernel kernels[KERNELS];
-    bb_buffer bounds;                       /* two bb_box */
-    bb_buffer sums;                         /* per chunk of primitives */
-    bb_buffer counts;                       /* cells of each primitive, then its first reference */
-    bb_buffer codes, refs;                  /* MC, P */
-    bb_buffer splits, boundary;             /* per reference, then exclusive prefix sums */
-    bb_buffer total, marked;                /* totals of these */
+    bb_buffer bounds;           /* two bb_box */
+    bb_buffer sums;             /* per chunk of primitives */
+    bb_buffer counts;           /* cells of each primitive of the boundary, of each other; then
+                                             * its first reference */
+    bb_buffer codes, refs;      /* MC, P */
+    bb_buffer splits, boundary; /* per reference, then exclusive prefix sums */
+    bb_buffer total, marked;    /* totals of these */
     bb_buffer levels, slots, ends, node_of; /* per node */
     bb_buffer no;
     bb_buffer arity;
@@ -190,14 +192,29 @@ static bb_status check_room(const olbvh *self, const bb_scene *scene, uint64_t r
                    self->grid.bits > 2 ? self->grid.bits - 2 : 0);
 }
 
+/* Which primitives are of the boundary: arguments of kernels. */
+typedef struct marks {
+    const bb_buffer *flags; /* of tetrahedra; any buffer if there are none */
+    uint32_t first, has;
+} marks;
+
+static marks marks_of(const olbvh *self, const bb_scene *scene)
+{
+    const bb_prims *tets = &scene->prims[BB_TETRAHEDRON];
+    const bool has = tets->count > 0;
+    return (marks){has ? &scene->on_device.tet_flags : &self->total, tets->first, has};
+}
+
 static bb_status count_references(olbvh *self, const bb_scene *scene)
 {
+    const marks m = marks_of(self, scene);
     const uint32_t count = scene->prim_count, chunks = chunks_of(count), chunk = CHUNK;
     uint64_t references = 0;
     void *mapped;
     BB_TRY(bb_launch(self->device, self->kernels[COUNTS], chunks, GROUP_SIZE,
                      BB_MEM(scene->on_device.boxes), BB_VALUE(count), BB_VALUE(self->grid),
-                     BB_VALUE(chunk), BB_MEM(self->counts), BB_MEM(self->sums)));
+                     BB_VALUE(chunk), BB_MEM(*m.flags), BB_VALUE(m.first), BB_VALUE(m.has),
+                     BB_MEM(self->counts), BB_MEM(self->sums)));
     BB_TRY(bb_buffer_map(&self->sums, false, &mapped));
     for (uint32_t i = 0; i < chunks; i++)
         references += ((const uint64_t *)mapped)[i];
@@ -246,13 +263,15 @@ static bb_status choose_grid(olbvh *self, const bb_scene *scene)
 static bb_status make_references(olbvh *self, const bb_scene *scene, bb_phases *phases)
 {
     const uint32_t count = scene->prim_count, references = self->reference_count;
+    const marks m = marks_of(self, scene);
     BB_TRY(RESERVE(self, references, {"olbvh: codes", &self->codes},
                    {"olbvh: references", &self->refs}, {"olbvh: splits", &self->splits},
                    {"olbvh: boundary references", &self->boundary}));
-    BB_TRY(bb_scan_u32(self->primitives, &self->counts, &self->counts, count, NULL));
+    BB_TRY(bb_scan_u32(self->primitives, &self->counts, &self->counts, 2 * count, NULL));
     BB_TRY(bb_launch(self->device, self->kernels[CODES], count, GROUP_SIZE,
                      BB_MEM(scene->on_device.boxes), BB_VALUE(count), BB_VALUE(self->grid),
-                     BB_MEM(self->counts), BB_MEM(self->codes), BB_MEM(self->refs)));
+                     BB_MEM(*m.flags), BB_VALUE(m.first), BB_VALUE(m.has), BB_MEM(self->counts),
+                     BB_MEM(self->codes), BB_MEM(self->refs)));
     BB_TRY(bb_phase(phases, "sort"));
     return bb_sort_keys(self->primitives, 4, &self->codes, &self->refs, references,
                         3 * self->grid.bits);
@@ -262,13 +281,12 @@ static bb_status make_references(olbvh *self, const bb_scene *scene, bb_phases *
 
 static bb_status count_nodes(olbvh *self, const bb_scene *scene)
 {
-    const bb_prims *tets = &scene->prims[BB_TETRAHEDRON];
-    const uint32_t references = self->reference_count, has = tets->count > 0;
-    const bb_buffer *flags = has ? &scene->on_device.tet_flags : &self->total;
+    const uint32_t references = self->reference_count;
+    const marks m = marks_of(self, scene);
     BB_TRY(bb_launch(self->device, self->kernels[SPLITS], references, GROUP_SIZE,
                      BB_MEM(self->codes), BB_MEM(self->refs), BB_VALUE(references),
-                     BB_VALUE(self->grid.bits), BB_MEM(*flags), BB_VALUE(tets->first),
-                     BB_VALUE(has), BB_MEM(self->splits), BB_MEM(self->boundary)));
+                     BB_VALUE(self->grid.bits), BB_MEM(*m.flags), BB_VALUE(m.first),
+                     BB_VALUE(m.has), BB_MEM(self->splits), BB_MEM(self->boundary)));
     BB_TRY(bb_scan_u32(self->primitives, &self->splits, &self->splits, references, &self->total));
     BB_TRY(
         bb_scan_u32(self->primitives, &self->boundary, &self->boundary, references, &self->marked));
@@ -357,7 +375,7 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
 {
     olbvh *self = opaque;
     const size_t count = scene->prim_count;
-    BB_TRY(RESERVE(self, count, {"olbvh: cells of primitives", &self->counts}));
+    BB_TRY(RESERVE(self, 2 * count, {"olbvh: cells of primitives", &self->counts}));
     BB_TRY(RESERVE(self, 2 * (size_t)chunks_of(scene->prim_count), {"olbvh: sums", &self->sums}));
     BB_TRY(RESERVE(self, 1, {"olbvh: arity", &self->arity}, {"olbvh: nodes", &self->total},
                    {"olbvh: boundary references", &self->marked}));

@@ -42,9 +42,18 @@ void range_of(const bb_cell_grid *grid, global const bb_box *box, cell_range *ra
     }
 }
 
-/* Counts the cells that list each primitive, and sums them over chunks. */
+/* Returns whether a primitive is on the mesh's boundary: by `flags` for tetrahedra (tets = 1:
+ * numbered from `first` on), else always. */
+bool is_boundary(global const uint *flags, uint first, uint tets, uint prim)
+{
+    return tets == 0u || prim < first || (flags[prim - first] & BB_TET_BOUNDARY) != 0u;
+}
+
+/* Counts the cells that list each primitive, and sums them over chunks. Primitives of the boundary
+ * have their counts before all others', so that in each cell they come first. */
 kernel void olbvh_counts(global const bb_box *boxes, uint count, bb_cell_grid grid, uint chunk,
-                         global uint *counts, global ulong *sums)
+                         global const uint *flags, uint first_tet, uint tets, global uint *counts,
+                         global ulong *sums)
 {
     uint first = (uint)get_global_id(0) * chunk, end = min(first + chunk, count);
     ulong sum = 0;
@@ -56,13 +65,16 @@ kernel void olbvh_counts(global const bb_box *boxes, uint count, bb_cell_grid gr
         uint cells = 1;
         for (uint axis = 0; axis < 3; axis++)
             cells *= r.hi[axis] - r.lo[axis] + 1u;
-        counts[i] = cells;
+        bool boundary = is_boundary(flags, first_tet, tets, i);
+        counts[i] = boundary ? cells : 0u;
+        counts[count + i] = boundary ? 0u : cells;
         sum += cells;
     }
     sums[get_global_id(0)] = sum;
 }
 
 kernel void olbvh_codes(global const bb_box *boxes, uint count, bb_cell_grid grid,
+                        global const uint *flags, uint first_tet, uint tets,
                         global const uint *offsets, global uint *codes, global uint *refs)
 {
     uint i = (uint)get_global_id(0);
@@ -70,7 +82,7 @@ kernel void olbvh_codes(global const bb_box *boxes, uint count, bb_cell_grid gri
         return;
     cell_range r;
     range_of(&grid, boxes + i, &r);
-    uint at = offsets[i];
+    uint at = offsets[is_boundary(flags, first_tet, tets, i) ? i : count + i];
     for (uint z = r.lo[2]; z <= r.hi[2]; z++)
         for (uint y = r.lo[1]; y <= r.hi[1]; y++)
             for (uint x = r.lo[0]; x <= r.hi[0]; x++, at++) {
@@ -91,8 +103,7 @@ uint split_level(global const uint *codes, uint i, uint count, uint bits)
 }
 
 /* splits: number of nodes that end after each reference. boundary: whether the reference is to a
- * boundary primitive: by `flags` for tetrahedra (tets = 1: numbered from `first` on), else
- * always. */
+ * primitive of the boundary. */
 kernel void olbvh_splits(global const uint *codes, global const uint *refs, uint count, uint bits,
                          global const uint *flags, uint first, uint tets, global uint *splits,
                          global uint *boundary)
@@ -100,10 +111,8 @@ kernel void olbvh_splits(global const uint *codes, global const uint *refs, uint
     uint i = (uint)get_global_id(0);
     if (i >= count)
         return;
-    uint ref = refs[i];
     splits[i] = bits + 1u - split_level(codes, i, count, bits);
-    boundary[i] =
-        tets == 0u || ref < first || (flags[ref - first] & BB_TET_BOUNDARY) != 0u ? 1u : 0u;
+    boundary[i] = is_boundary(flags, first, tets, refs[i]) ? 1u : 0u;
 }
 
 /* Gives each node a slot; nodes that end together are adjacent, from the top down. */
@@ -162,7 +171,7 @@ kernel void olbvh_nodes(global const uint *levels, global const uint *slots, uin
     uint last = end == ref_count ? marked_all[0] : marked[end];
     uint code = codes[end - 1u];
     cells[j] = (code >> 3u * (grid.bits - level) & BB_CELL_OCTANT) |
-               (last > marked[begin] ? BB_CELL_BOUNDARY : 0u);
+               min(last - marked[begin], BB_CELL_MARKED_MAX) << BB_CELL_MARKED_SHIFT;
     nodes[j].skip = end == ref_count ? BB_NONE : node_of[first_of[end - 1u]] + 1u;
     if (level < grid.bits) {
         uint before = j == 0u ? 0u : node_of[slots[j - 1u] + 1u];

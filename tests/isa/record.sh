@@ -29,9 +29,11 @@ commands() {
         echo "$form/leaf run $trace --scene cube --kernel stack:leaf=4" \
             "--intersector all --out $folder/logs/leaf-$form"
         echo "$form/volume volume --form $form --scene nbody:n=16 --scene tets:side=2 --size 8x8" \
-            "--steps 1 --repeats 1"
-        echo "$form/slice slice --form $form --scene tets:side=2 --size 8x8 --no-tree --repeats 1"
-        echo "$form/overlap overlap --form $form tets:side=2 tets:side=3 --no-tree --repeats 1"
+            "--steps 1 --search skip,octree,olbvh --repeats 1"
+        echo "$form/slice slice --form $form --scene tets:side=2 --size 8x8 --search skip,octree,olbvh --no-tree" \
+            "--repeats 1"
+        echo "$form/overlap overlap --form $form tets:side=2 tets:side=3 --search skip,octree,olbvh" \
+            "--no-tree --repeats 1"
         echo "$form/animate animate --form $form --scene twist:n=100,frames=3 --size 8x8" \
             "--max-rays 64 --repeats 1 --quiet --builder lbvh+refit:rotate=yes" \
             "--builder lbvh+refit:partial=2"
