@@ -15,9 +15,9 @@ typedef struct bb_cell_grid {
     bb_u32 pad;
 } bb_cell_grid;
 
-/* A node of an octree of cells, in the tree's side array "cells": its octant in its parent, of which
- * x is the highest bit, and in the other bits how many references to primitives of the boundary are
- * below it, at most BB_CELL_MARKED_MAX. A leaf lists them before all others. Children of a node are
+/* A node of an octree of cells, in the tree's side array "cells": its octant in its parent, of
+ * which x is the highest bit, and in the other bits how many references to primitives of the
+ * boundary are below it, at most BB_CELL_MARKED_MAX. A leaf lists them before all others. Children of a node are
  * adjacent, by ascending octant. */
 #define BB_CELL_OCTANT 7u
 #define BB_CELL_MARKED_SHIFT 3u

@@ -151,8 +151,8 @@ kernel void olbvh_offsets(global const uint *levels, global const uint *slots, u
         no[bits] = count;
 }
 
-/* Computes the links of all nodes, CO, BF (a bit of `cells`), and the boxes of leaves. `first_of`: slot of the first
- * node that ends after each reference. `marked`: number of boundary references before each.
+/* Computes the links of all nodes, CO, `cells`, and the boxes of leaves. `first_of`: slot of the
+ * first node that ends after each reference. `marked`: number of boundary references before each.
  * `marked_all`: their number. */
 kernel void olbvh_nodes(global const uint *levels, global const uint *slots, uint count,
                         bb_cell_grid grid, uint ref_count, global const uint *codes,

@@ -2,13 +2,13 @@
  * volumetric meshes. The Visual Computer 36, 2020.
  *
  * Meshes (table 1), memory and build (table 2, figure 6), volume rendering (figure 7) with and
- * without the boundary's flags (table 3), slices (figure 8) and overlaps (figure 10) by OLBVH, alpha
- * 0 to 2, and by the LBVH of the same tetrahedra. OLBVH is searched in three ways: as published
- * (`olbvh`: algorithm 3 on the paper's arrays), by our descent by octants (`octree`), and as any
- * tree (`skip`). The figures' bars
- * have no numbers in the text; of the paper there are table 2 and the ranges of its words. Its
- * meshes are not to be had: here a ball, a regular block (as "Jets"), a shell (as "Part" and "Pot")
- * and a block whose cubes grow (as those with large variance), or what is asked for.
+ * without the boundary's flags (table 3), slices (figure 8) and overlaps (figure 10) by OLBVH,
+ * alpha 0 to 2, and by the LBVH of the same tetrahedra. OLBVH is searched in three ways: as
+ * published (`olbvh`: algorithm 3 on the paper's arrays), by our descent by octants (`octree`),
+ * and as any tree (`skip`). The figures' bars have no numbers in the text; of the paper there are
+ * table 2 and the ranges of its words. Its meshes are not to be had: here a ball, a regular block
+ * (as "Jets"), a shell (as "Part" and "Pot") and a block whose cubes grow (as those with large
+ * variance), or what is asked for.
  */
 #include "framework/papers/reproduce.h"
 #include "framework/scene/tets_gather.h"
