@@ -17,8 +17,8 @@ typedef struct bb_cell_grid {
 
 /* A node of an octree of cells, in the tree's side array "cells": its octant in its parent, of
  * which x is the highest bit, and in the other bits how many references to primitives of the
- * boundary are below it, at most BB_CELL_MARKED_MAX. A leaf lists them before all others. Children of a node are
- * adjacent, by ascending octant. */
+ * boundary are below it, at most BB_CELL_MARKED_MAX. A leaf lists them before all others. Children
+ * of a node are adjacent, by ascending octant. */
 #define BB_CELL_OCTANT 7u
 #define BB_CELL_MARKED_SHIFT 3u
 #define BB_CELL_MARKED_MAX 0x1FFFFFFFu
