@@ -24,7 +24,7 @@ static const bb_variants variants[] = {
 const bb_builder bb_builder_emc = {
     .abi_version = BB_ABI_VERSION,
     .name = "emc",
-    .summary = "binary radix tree over extended Morton codes",
+    .summary = "binary radix tree over extended Morton codes; as published with box=scene",
     .paper = "Vinkler, Bittner, Havran 2017",
     .options = options,
     .variants = variants,

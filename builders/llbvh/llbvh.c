@@ -3,9 +3,10 @@
  *
  * Gu, Jendersie, Grosch 2018 (Fast and Dynamic Construction of Bounding Volume Hierarchies based on
  * Loose Octrees), sections 3.1 and 3.3. Choices where the paper leaves something open:
- * - s0 for a scene whose box is no cube: the longest side, so that cells are cubes. Cubes make the
- *   better tree (SAH relative to cells of the box's proportions: hammer 0.70, sthelens 0.77,
- *   kitchen 0.91; at worst, interior, 1.04). With box=scene and box=centroids cells have those
+ * - s0 for a scene whose box is no cube: the longest side, so that cells are cubes. Where
+ *   scenes are wide and low, cubes make the better tree (SAH relative to cells of the box's
+ *   proportions: city 0.75, terrain 0.76, scorpion 0.97); elsewhere not always (mountain 1.02,
+ *   coffee and interior 1.04, corridor 1.26). With box=scene and box=centroids cells have those
  *   proportions, and sizes are compared per axis (loose_octree.clh).
  * - The fit test of section 3.1 is made for all measures. Spheres profit (SAH 0.91 and 0.95 in
  *   their two states); with the smallest side of triangles hardly any box passes it.

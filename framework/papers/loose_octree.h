@@ -6,10 +6,16 @@
 
 #define STACK "stack"
 #define STACKLESS "stackless"
-#define LBVH30 "lbvh:bits=30"
-#define LLBVH30 "llbvh:bits=30"
-/* The paper's LOBVH is ordered by the view that is traced, always. */
-#define LOBVH(levels) "lobvh:levels=" levels ",view=0"
+/* As published: cells are cubes for all; primitives of one node of the loose octree share a leaf,
+ * however many they are; LOBVH keeps nodes with a single child, and is ordered by the view that is
+ * traced, always. */
+#define LBVH30 "lbvh:bits=30,box=cube"
+#define LLBVH30 "llbvh:bits=30,merge=0"
+#define LOBVH(levels) "lobvh:levels=" levels ",chains=keep,view=0"
+/* One thing otherwise: LBVH's rule of leaves; leaves of about 64 primitives; chains skipped. */
+#define LLBVH30_SINGLE "llbvh:bits=30,merge=1"
+#define LLBVH30_64 "llbvh:bits=30"
+#define LOBVH_SKIPPING "lobvh:levels=auto,view=0"
 #define LOBVH_BEST LOBVH("{6,7,8}")
 #define LOBVH_VIEWLESS "lobvh:levels=auto"
 #define SMALLEST LLBVH30 ",side=smallest"
