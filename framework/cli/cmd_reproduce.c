@@ -1,9 +1,15 @@
-/* bvhbench reproduce: a paper's experiments, tables and claims beside ours. */
+/* bvhbench reproduce: a paper's experiments, tables and claims beside ours; or all papers'. */
+#include "framework/cli/inputs.h"
+#include "framework/cli/out_option.h"
 #include "framework/cli/output.h"
+#include "framework/device/run_row.h"
 #include "framework/papers/reproduce.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
 
 typedef struct wanted {
     bb_device_choice device;
@@ -50,6 +56,140 @@ static bb_status reproduce(void *user, bb_device *device, bb_results *results,
     return bb_reproduce(&w->request, results, outcome);
 }
 
+/* ---- one paper ---- */
+
+static bb_status run_paper(const bb_cli *cli, wanted *w, const char *folder, int *exit_status)
+{
+    const bb_comparison comparison = {
+        .command = cli->command_line,
+        .device = &w->device,
+        .folder = folder,
+        .history = w->history,
+        .seed = w->request.seed,
+        .charts = w->charts,
+        .quiet = w->request.quiet,
+        .compare = reproduce,
+        .request = w,
+        .print = bb_reproduction_print,
+    };
+    return bb_output_compare(&comparison, exit_status);
+}
+
+/* ---- all of them ---- */
+
+/* In a paper's folder, once all of it was measured and nothing was wrong. */
+#define MARK "measured-well"
+
+/* Reads what an earlier call of the same command and program measured of a paper. NULL: there is
+ * nothing, or not all of it, or `well` and something was wrong. */
+static bb_results *read_earlier(const bb_cli *cli, const char *folder, bool well)
+{
+    char path[PATH_MAX], mark[PATH_MAX];
+    bb_results *results = NULL;
+    if (bb_join_path(path, folder, "results.json") != BB_OK ||
+        bb_join_path(mark, folder, MARK) != BB_OK || (well && access(mark, F_OK) != 0) ||
+        bb_results_read(path, &results) != BB_OK)
+        return NULL;
+    const bb_entry *context = bb_results_context(results);
+    if (strcmp(bb_get_text(context, BB_F_CONTEXT_COMMAND), cli->command_line) == 0 &&
+        strcmp(bb_get_text(context, BB_F_CONTEXT_REVISION), bb_build_revision) == 0 &&
+        !bb_get_true(context, BB_F_CONTEXT_INTERRUPTED) &&
+        bb_section_count(bb_results_section(results, BB_PAPERS)) == 1)
+        return results;
+    bb_results_destroy(results);
+    return NULL;
+}
+
+/* Measures a paper and, if nothing was wrong, marks its folder. */
+static bb_status measure_paper(const bb_cli *cli, wanted *w, const char *folder, int *exit_status)
+{
+    char mark[PATH_MAX];
+    int own = BB_EXIT_OK;
+    BB_TRY(bb_join_path(mark, folder, MARK));
+    (void)unlink(mark);
+    BB_TRY(run_paper(cli, w, folder, &own));
+    if (own != BB_EXIT_OK) {
+        *exit_status = own;
+        return BB_OK;
+    }
+    FILE *file = fopen(mark, "w");
+    if (file == NULL || fclose(file) != 0)
+        return bb_fail(BB_FAILED, "%s: %s", mark, strerror(errno));
+    return BB_OK;
+}
+
+/* Measures a paper, unless it was measured before, and shows it on the page. */
+static bb_status add_paper(const bb_cli *cli, wanted *w, bb_page *page, int *exit_status)
+{
+    char folder[PATH_MAX];
+    BB_TRY(bb_join_path(folder, w->folder, w->request.paper->name));
+    bb_results *results = read_earlier(cli, folder, true);
+    if (results != NULL) {
+        if (!w->request.quiet)
+            fprintf(stderr, "bvhbench: %s: kept what was measured on %s\n", w->request.paper->name,
+                    bb_get_text(bb_results_context(results), BB_F_CONTEXT_DATE));
+    } else {
+        BB_TRY(measure_paper(cli, w, folder, exit_status));
+        results = read_earlier(cli, folder, false);
+    }
+    if (results == NULL) /* interrupted */
+        return BB_OK;
+    bb_reproduction_show(results, page);
+    bb_page_say(page, "measured by `%s` on %s, in %.0f s",
+                bb_get_text(bb_results_context(results), BB_F_CONTEXT_COMMAND),
+                bb_get_text(bb_results_context(results), BB_F_CONTEXT_DATE),
+                bb_results_time_ms(results, "total") / 1000);
+    bb_results_destroy(results);
+    return bb_page_status(page);
+}
+
+static bb_status write_markdown(const bb_page *page, const char *path)
+{
+    FILE *file = fopen(path, "w");
+    if (file == NULL)
+        return bb_fail(BB_FAILED, "%s: %s", path, strerror(errno));
+    bb_page_markdown(page, file);
+    const bool failed = ferror(file) != 0;
+    return fclose(file) == 0 && !failed ? BB_OK : bb_fail(BB_FAILED, "%s: cannot be written", path);
+}
+
+static bb_status write_pages(const wanted *w, const bb_page *page)
+{
+    char html[PATH_MAX], markdown[PATH_MAX];
+    BB_TRY(bb_join_path(html, w->folder, "papers.html"));
+    BB_TRY(bb_join_path(markdown, w->folder, "PAPERS.md"));
+    BB_TRY(bb_page_html(page, NULL, w->folder, html));
+    BB_TRY(write_markdown(page, markdown));
+    if (!w->request.quiet)
+        printf(" papers   %s\n          %s\n", html, markdown);
+    return BB_OK;
+}
+
+static bb_status run_all(const bb_cli *cli, wanted *w, int *exit_status)
+{
+    bb_page *page;
+    if (w->scenes.count > 0)
+        return bb_fail(BB_INVALID,
+                       "reproduce all: papers need different scenes: leave out --scene, "
+                       "or give one paper");
+    for (const bb_paper *const *paper = bb_papers; *paper != NULL; paper++) {
+        w->request.paper = *paper;
+        BB_TRY(bb_reproduce_check(&w->request));
+    }
+    BB_TRY(bb_out_folder(w->folder));
+    BB_TRY(bb_page_create("Papers: their tables and claims beside ours", &page));
+    bb_status status = BB_OK;
+    for (const bb_paper *const *paper = bb_papers;
+         *paper != NULL && status == BB_OK && *exit_status != BB_EXIT_INTERRUPTED; paper++) {
+        w->request.paper = *paper;
+        status = add_paper(cli, w, page, exit_status);
+    }
+    if (status == BB_OK)
+        status = write_pages(w, page);
+    bb_page_free(page);
+    return status;
+}
+
 static bb_status run(const bb_cli *cli, void *values, int *exit_status)
 {
     wanted *w = values;
@@ -58,35 +198,29 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
     BB_TRY(bb_load_plugins(&w->device.plugins));
     if (cli->positional_count != 1)
         return bb_fail(BB_INVALID, "reproduce: give one paper: `bvhbench list papers` shows them");
+    if (strcmp(cli->positional[0], "all") == 0)
+        return run_all(cli, w, exit_status);
     BB_TRY(bb_paper_find(cli->positional[0], &request->paper));
     if (w->scenes.count > 0) /* else each experiment has its own */
         BB_TRY(bb_choose_scenes(&w->scenes, bb_add_shipped_scenes));
     request->scenes = w->scenes.items;
     request->scene_count = (uint32_t)w->scenes.count;
     BB_TRY(bb_reproduce_check(request));
-    const bb_comparison comparison = {
-        .command = cli->command_line,
-        .device = &w->device,
-        .folder = w->folder,
-        .history = w->history,
-        .seed = request->seed,
-        .charts = w->charts,
-        .quiet = request->quiet,
-        .compare = reproduce,
-        .request = w,
-        .print = bb_reproduction_print,
-    };
-    return bb_output_compare(&comparison, exit_status);
+    return run_paper(cli, w, w->folder, exit_status);
 }
 
 extern const bb_command bb_command_reproduce;
 const bb_command bb_command_reproduce = {
     .name = "reproduce",
     .summary = "repeat a paper's experiments; show its tables and claims beside ours",
-    .arguments = "PAPER",
-    .details =
-        "`bvhbench list papers` shows the papers. Exit status 1: an answer is wrong, or a builder\n"
-        "or kernel failed. A claim that does not hold is not a failure.",
+    .arguments = "PAPER|all",
+    .details = "`bvhbench list papers` shows the papers. `all` runs one after the other, each into "
+               "a folder\n"
+               "DIR/PAPER, and writes DIR/papers.html and DIR/PAPERS.md. If it is cut off, the "
+               "same command\n"
+               "goes on: what the same program has measured, and found nothing wrong in, is kept.\n"
+               "Exit status 1: an answer is wrong, or a builder\n"
+               "or kernel failed. A claim that does not hold is not a failure.",
     .options = options,
     .bytes = sizeof(wanted),
     .goes_on = true,

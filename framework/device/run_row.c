@@ -11,7 +11,7 @@
 #include <unistd.h>
 
 /* Generated at build time. */
-extern const char bb_build_revision[], bb_build_version[], bb_build_flags[];
+extern const char bb_build_version[], bb_build_flags[];
 
 /* The kinds of run_fields.h. */
 enum { TEXT = BB_COLUMN_TEXT, FLAG = BB_COLUMN_TEXT, NUMBER = BB_COLUMN_NUMBER, SIGNED = 0 };

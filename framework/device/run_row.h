@@ -19,6 +19,8 @@ typedef enum bb_run_column {
 } bb_run_column;
 extern const bb_column bb_run_columns[BB_RUN_COLUMNS];
 
+extern const char bb_build_revision[]; /* generated: the program's */
+
 /* Fills the row and returns it: date, revision, version, host, cpu, cpu_threads, governor, smt,
  * boost and processors (processors.h), the load of 1, 5 and 15 minutes; of the device (NULL: none)
  * its name, type, driver, opencl, compute_units, float_config, handover, litmus test and kernels;

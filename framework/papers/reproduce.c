@@ -1,6 +1,7 @@
 /* A paper's experiments, run one after the other as ordinary comparisons into one document. */
 #include "framework/papers/reproduce.h"
 
+#include "framework/base/clock.h"
 #include "framework/base/steering.h"
 #include "framework/builder/instance.h"
 #include "framework/builder/registry.h"
@@ -283,8 +284,14 @@ bb_status bb_reproduce(const bb_reproduce_request *request, bb_results *results,
         }
         free_plan(&p);
     }
-    if (status == BB_OK && paper->measure != NULL)
+    if (status == BB_OK && paper->measure != NULL) {
+        const double start = bb_wall_ms();
         status = paper->measure(request, findings, &wrong);
+        const double ms = bb_wall_ms() - start;
+        outcome->times.total_ms += ms;
+        if (status == BB_OK)
+            status = bb_results_add_step(results, "contests", ms);
+    }
     for (int i = 0; i < BB_EXPERIMENTS_MAX && status == BB_OK; i++)
         status = bb_table_status(findings[i].table);
     if (status == BB_OK)

@@ -10,6 +10,7 @@
 #include "framework/bench/bench.h"
 #include "framework/bench/contest.h"
 #include "framework/papers/figures.h"
+#include "framework/table/page.h"
 
 #include <stdio.h>
 
@@ -93,7 +94,9 @@ bb_status bb_reproduce(const bb_reproduce_request *request, bb_results *results,
 bb_status bb_reproduction_add(const bb_paper *paper, const bb_findings *findings,
                               bb_results *results);
 
-/* Prints the reproductions of the results: tables, then claims. */
+/* Puts the reproductions of the results on a page: tables, then claims. */
+void bb_reproduction_show(const bb_results *results, bb_page *page);
+/* Prints them. */
 bb_status bb_reproduction_print(const bb_results *results, FILE *out);
 
 /* Adds what a comparison measured to the table: builds with ids from `first` on, all scenes. */

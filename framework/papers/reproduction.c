@@ -1,7 +1,6 @@
 /* Tables and claims: into the results, and as text. */
 #include "framework/papers/reproduce.h"
 #include "framework/record/record.h"
-#include "framework/table/page.h"
 
 #include <math.h>
 #include <string.h>
@@ -189,10 +188,8 @@ static void show_here(const bb_results *results, bb_page *page)
     bb_page_say(page, "%s", words.text);
 }
 
-bb_status bb_reproduction_print(const bb_results *results, FILE *out)
+void bb_reproduction_show(const bb_results *results, bb_page *page)
 {
-    bb_page *page;
-    BB_TRY(bb_page_create("reproduce", &page));
     bb_each(paper, bb_results_section(results, BB_PAPERS))
     {
         bb_page_heading(page, bb_get_text(paper, BB_F_PAPER_TITLE));
@@ -201,6 +198,13 @@ bb_status bb_reproduction_print(const bb_results *results, FILE *out)
             row = show_table(row, page);
         show_claims(paper, page);
     }
+}
+
+bb_status bb_reproduction_print(const bb_results *results, FILE *out)
+{
+    bb_page *page;
+    BB_TRY(bb_page_create("reproduce", &page));
+    bb_reproduction_show(results, page);
     const bb_status status = bb_page_status(page);
     bb_page_print(page, out);
     bb_page_free(page);
