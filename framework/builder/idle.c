@@ -13,8 +13,9 @@
 
 static const double watch_ms = 0.5;
 /* Threads may go on for so long: pools that wait actively, for the next piece of work, end this
- * soon. On a busy machine they need longer, and are told from those that work by how much. */
-static const double patience_ms = 100, longest_ms = 1000, work_ms = 10;
+ * soon, and so does what a driver does after a command. On a busy machine they need longer, and are
+ * told from those that work by how much. */
+static const double patience_ms = 100, longest_ms = 1000, work_ms = 40;
 /* A thread sleeps unless it runs for so much of the time in which it is watched, or waits for a
  * processor after it. */
 static const double awake = 0.25;

@@ -60,9 +60,9 @@ static void leave_orphan(void)
         return;
     setsid();
     const pid_t orphan = fork();
-    FILE *file = orphan > 0 ? fopen("orphan.pid", "w") : NULL;
-    if (file != NULL && fprintf(file, "%ld", (long)orphan) > 0)
-        fclose(file);
+    FILE *file = orphan > 0 ? fopen("orphan.new", "w") : NULL;
+    if (file != NULL && fprintf(file, "%ld", (long)orphan) > 0 && fclose(file) == 0)
+        rename("orphan.new", "orphan.pid"); /* it is there when its content is */
     if (orphan == 0)
         sleep(600);
     _exit(0);
