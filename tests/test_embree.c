@@ -160,8 +160,8 @@ static void test_queries_agree(void **state)
                          !(hits[i].t == single[i].t ||
                            fabsf(hits[i].t - single[i].t) <= 1e-5f * single[i].t);
             }
-            /* a ray that grazes an edge may be decided otherwise */
-            if (apart > COUNT / 500)
+            /* a ray that grazes an edge, or a sphere, may be decided otherwise */
+            if (apart > COUNT / 100)
                 fail_msg("%s, %s, %s: %u of %d", scenes[s], queries[m / 2], query->name, apart,
                          COUNT);
         }

@@ -80,9 +80,9 @@ static void gpus_compare_kernels_of_theirs(void **state)
     {
         bb_spec spec;
         const bb_kernel *kernel;
-        assert_string_equal(text_of(trace, "status"), "ok");
-        if (is_reference(trace))
+        if (is_reference(trace)) /* of which the library may lack some */
             continue;
+        assert_string_equal(text_of(trace, "status"), "ok");
         ours++;
         assert_int_equal(bb_kernel_parse(text_of(trace, "kernel"), &spec, &kernel), BB_OK);
         assert_false(kernel->batched);
@@ -146,7 +146,8 @@ static void embree_is_on_the_cpu_wherever_it_is_shown(void **state)
     expect(0, "report labels", " trace ");
     expect(0, "report labels", " for reference, Embree on the CPU with its own trees\n");
     expect(0, "report labels", "/ref: Embree on the CPU, by its fastest row");
-    expect(0, "report labels --table", "  /Embree on the CPU  mis/fal/t");
+    expect(0, "report labels --table", " /Embree on the CPU ");
+    expect(0, "report labels --table", " mis/fal/t ");
     expect(0, "report labels --table", "/Embree on the CPU: to the fastest");
     expect(0, "report labels --markdown", "/ref: Embree on the CPU, by its fastest row");
     expect(0, "report labels --csv", "traced_on");
@@ -199,7 +200,7 @@ static void sets_fill_a_gpu(void **state)
             fail_msg("%s: %g rays", text_of(trace, "rays"), number_of(trace, "count"));
         bool random = strcmp(text_of(trace, "rays"), "random") == 0;
         assert_true((strstr(text_of(trace, "cell"), ",least=1048576/") == NULL) == random);
-        if (is_reference(trace) || number_of(trace, "ms_median") < 1000)
+        if (is_reference(trace) || number_of(trace, "ms_median") < 500)
             continue;
         slow++;
         if (number_of(trace, "launches") < 2)

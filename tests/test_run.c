@@ -46,8 +46,8 @@ static void a_small_run_leaves_results_report_and_pictures(void **state)
         const char *kernel = cJSON_GetStringValue(cJSON_GetObjectItem(trace, "kernel"));
         const char *builder = cJSON_GetStringValue(cJSON_GetObjectItem(trace, "builder"));
         const cJSON *accuracy = cJSON_GetObjectItem(trace, "accuracy");
-        if (strstr(builder, "query=stream") != NULL && strcmp(status, "unsupported") == 0)
-            continue; /* Embree 4 */
+        if (strstr(builder, "query=") != NULL && strcmp(status, "unsupported") == 0)
+            continue; /* Embree 4 has no streams, some processors have no wide packets */
         if (strcmp(status, "ok") != 0)
             fail_msg("%s", cJSON_Print(trace));
         assert_true(cJSON_GetNumberValue(cJSON_GetObjectItem(trace, "mrays_s")) > 0);
@@ -397,6 +397,8 @@ static void rounds_decide_what_is_said_of_medians(void **state)
         cJSON *json = read_results("rounds/results.json"), *trace;
         cJSON_ArrayForEach(trace, cJSON_GetObjectItem(json, "traces"))
         {
+            if (strcmp(cJSON_GetStringValue(cJSON_GetObjectItem(trace, "status")), "ok") != 0)
+                continue; /* a query that the library lacks */
             assert_int_equal(cJSON_GetArraySize(cJSON_GetObjectItem(trace, "ms")),
                              cases[i].samples);
             assert_true(cJSON_IsNumber(cJSON_GetObjectItem(trace, "mrays_s_lo")) ==

@@ -46,12 +46,12 @@ static bb_status reserve(olbvh_layout *self, const bb_tree_info *info, bb_layout
         const char *what;
         size_t bytes;
     } arrays[ARRAYS] = {
-        [BV] = {"olbvh: BV", nodes * 6 * sizeof(float)},
-        [P] = {"olbvh: P", info->ref_count * sizeof(uint32_t)},
-        [CO] = {"olbvh: CO", (inner + 1) * sizeof(uint32_t)},
-        [PO] = {"olbvh: PO", (nodes + 1) * sizeof(uint32_t)},
-        [BF] = {"olbvh: BF", nodes},
-        [NO] = {"olbvh: NO", (info->depth + 1) * sizeof(uint32_t)},
+        [BV] = {"six arrays: BV", nodes * 6 * sizeof(float)},
+        [P] = {"six arrays: P", info->ref_count * sizeof(uint32_t)},
+        [CO] = {"six arrays: CO", (inner + 1) * sizeof(uint32_t)},
+        [PO] = {"six arrays: PO", (nodes + 1) * sizeof(uint32_t)},
+        [BF] = {"six arrays: BF", nodes},
+        [NO] = {"six arrays: NO", (info->depth + 1) * sizeof(uint32_t)},
     };
     for (int i = 0; i < ARRAYS; i++) {
         BB_TRY(bb_buffer_reserve(self->device, self->account, arrays[i].bytes, arrays[i].what,
@@ -96,6 +96,7 @@ const bb_layout bb_layout_olbvh = {
     .summary = "the six arrays of an OLBVH as published; for queries at points",
     .width = 8,
     .block = 1,
+    .search = BB_SEARCH_OLBVH,
     .array = {.name = "po", .stride = sizeof(uint32_t)},
     .create = create,
     .make = make,

@@ -181,6 +181,8 @@ kernel void olbvh_nodes(global const uint *levels, global const uint *slots, uin
         atomic_max(arity, last_child - before);
         return;
     }
+    if (j + 1u < count)
+        co[j + 1u] = BB_NONE; /* CO ends with the inner nodes, the side array does not */
     for (uint axis = 0; axis < 3; axis++) {
         uint at = 0;
         for (uint bit = 0; bit < grid.bits; bit++)

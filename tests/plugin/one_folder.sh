@@ -6,7 +6,7 @@
 . "$(dirname "$0")/../source_copy.sh"
 
 comment='^[^:]+:[0-9]+: *(\*|/\*|//|# )'
-# "embree" is the oracle and a kernel too, "null" a word of JSON: only as specifications they say something. "sah" is a metric, whose
+# "embree" is the oracle and a kernel too, "null" a word of JSON, "olbvh" a layout and a search: only as specifications they say something. "sah" is a metric, whose
 # name stands in its file.
 metric='^framework/builder/metric_sah\.c:[^"]*"sah"[^"]*$'
 
@@ -16,7 +16,7 @@ lines_that_name()
     local name=$1 pattern
     pattern="bb_builder_${name//-/_}\\b|builders/$name\\b"
     case $name in
-    embree | null) pattern="$pattern|\"([^\"]*[^a-z0-9_-])?$name[:+]" ;;
+    embree | null | olbvh) pattern="$pattern|\"([^\"]*[^a-z0-9_-])?$name[:+]" ;;
     *) pattern="$pattern|\"([^\"]*[^a-z0-9_-])?$name([^a-z0-9_-][^\"]*)?\"" ;;
     esac
     grep -rnE "$pattern" CMakeLists.txt cmake framework traversal kernels scenes \

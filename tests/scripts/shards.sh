@@ -39,7 +39,7 @@ for count in 3 13; do
         "merged-$count/results.json" >/dev/null || fail "$count shards: the context, or a build that nobody measured"
     # each trace has its own scene's build
     jq -e '[.rows[] | select(.status) | select(.question | not)] as $builds
-        | all(.rows[] | select(.status and .question); . as $trace | any($builds[]; .status == "ok" and .scene == $trace.scene
+        | all(.rows[] | select(.status == "ok" and .question); . as $trace | any($builds[]; .status == "ok" and .scene == $trace.scene
         and .builder == $trace.builder and .run == ($trace.tree_run // $trace.run)))' "merged-$count/results.json" >/dev/null || fail "a trace has another's build"
     [ "$(find "merged-$count" -name '*.png' | wc -l)" -eq "$(find whole -maxdepth 1 -name '*.png' | wc -l)" ] || fail "pictures are missing"
     grep -q 'nothing is worse' <<<"$("$program" compare whole "merged-$count")" || fail "the merged run is worse"
