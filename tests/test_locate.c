@@ -233,8 +233,8 @@ static void real_meshes(void **state)
 static void some_layouts_are_searched(void **state)
 {
     (void)state;
-    assert_false(bb_tet_search_takes(bb_layout_find("pair")));
-    assert_true(bb_tet_search_takes(bb_layout_find("skip")));
+    assert_int_equal(bb_layout_find("pair")->search, BB_SEARCH_NONE);
+    assert_int_equal(bb_layout_find("skip")->search, BB_SEARCH_SKIP);
 }
 
 static int set_up(void **state)

@@ -105,6 +105,7 @@ const bb_layout bb_layout_skip = {
     .summary = "the tree's own nodes, of any arity, in preorder; primitives expanded in leaf order",
     .width = 2,
     .block = 1,
+    .search = BB_SEARCH_SKIP,
     .create = create,
     .make = make,
     .destroy = destroy,

@@ -69,12 +69,23 @@ typedef struct bb_layout_data {
     char name[96];    /* as recorded: "pair", "pair:leaf=4", "pair:leaf=4,triangles=affine" */
 } bb_layout_data;
 
+/* How points are located in the tetrahedra of a layout (kernels/locate.clh). */
+typedef enum bb_tet_search_way {
+    BB_SEARCH_NONE,   /* not at all */
+    BB_SEARCH_SKIP,   /* by boxes */
+    BB_SEARCH_OCTREE, /* by the octants of cells, which say whether they list a boundary's */
+    BB_SEARCH_OLBVH,  /* by the arrays of an OLBVH; its cells say so, too */
+    BB_SEARCH_ALL,    /* without a layout: one tetrahedron after the other */
+    BB_SEARCH_WAYS
+} bb_tet_search_way;
+
 typedef struct bb_layout {
     const char *name;
     const char *summary;
     uint32_t width;    /* most children of a node; 2 if unlimited. Required */
     uint32_t block;    /* number of primitives that its kernels test at once. Required */
     uint32_t leaf_max; /* most references of a leaf: larger ones are divided; 0: unlimited */
+    bb_tet_search_way search;
     /* The side array of the tree that make() reads (bb_tree_reserve_array()): trees without an
      * array of this name and format are refused. Optional. */
     struct {

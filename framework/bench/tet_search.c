@@ -11,65 +11,58 @@ const bb_option bb_tet_search_options[] = {
     {.name = NULL},
 };
 
-/* The layouts that can be searched, and how; NULL ends them. */
-static const struct {
-    const char *layout;
-    bb_tet_search_way way;
-    const bb_option *options;
-} ways[] = {
-    {"skip", BB_SEARCH_SKIP, NULL},
-    {"octree", BB_SEARCH_OCTREE, bb_tet_search_options},
-    {"olbvh", BB_SEARCH_OLBVH, bb_tet_search_options},
-};
-enum { WAYS = sizeof ways / sizeof ways[0] };
-
-/* Returns WAYS if there is none. */
-static uint32_t find_way(const char *layout)
+bool bb_tet_search_has_boundary(bb_tet_search_way way)
 {
-    uint32_t i = 0;
-    while (i < WAYS && strcmp(ways[i].layout, layout) != 0)
-        i++;
-    return i;
+    return way == BB_SEARCH_OCTREE || way == BB_SEARCH_OLBVH;
+}
+
+/* NULL: no such layout can be searched. */
+static const bb_layout *find_layout(const char *name)
+{
+    const bb_layout *layout = bb_layout_find(name);
+    return layout != NULL && layout->search != BB_SEARCH_NONE ? layout : NULL;
+}
+
+/* Their names, by commas. */
+static void list_layouts(char *text, size_t capacity)
+{
+    size_t length = 0;
+    for (const bb_layout *const *layout = bb_layouts; *layout != NULL; layout++)
+        if ((*layout)->search != BB_SEARCH_NONE && length < capacity)
+            length += (size_t)snprintf(text + length, capacity - length, "%s%s",
+                                       length > 0 ? ", " : "", (*layout)->name);
 }
 
 bb_status bb_tet_search_parse(const char *text, bb_spec *spec)
 {
     BB_TRY(bb_spec_parse(text, spec));
-    const uint32_t i = find_way(spec->name);
-    char what[96];
-    if (i == WAYS)
-        return bb_fail(BB_INVALID, "there is no search '%s': take skip, octree or olbvh",
-                       spec->name);
+    const bb_layout *layout = find_layout(spec->name);
+    char what[96], there[128] = "";
+    list_layouts(there, sizeof there);
+    if (layout == NULL)
+        return bb_fail(BB_INVALID, "there is no search '%s': there are %s", spec->name, there);
     snprintf(what, sizeof what, "search %s", spec->name);
-    return bb_spec_validate(spec, ways[i].options, what);
+    return bb_spec_validate(
+        spec, bb_tet_search_has_boundary(layout->search) ? bb_tet_search_options : NULL, what);
 }
 
 bool bb_tet_search_by_boundary(const bb_spec *spec)
 {
-    const uint32_t i = find_way(spec->name);
-    return i < WAYS && ways[i].options != NULL &&
+    const bb_layout *layout = find_layout(spec->name);
+    return layout != NULL && bb_tet_search_has_boundary(layout->search) &&
            bb_spec_is(spec, bb_tet_search_options, "boundary", "yes");
-}
-
-bool bb_tet_search_takes(const bb_layout *layout)
-{
-    return find_way(layout->name) < WAYS;
-}
-
-bool bb_tet_search_has_boundary(const bb_tet_search *search)
-{
-    return search->way == BB_SEARCH_OCTREE || search->way == BB_SEARCH_OLBVH;
 }
 
 bb_status bb_tet_search_by(const bb_scene *scene, const bb_layout *layout,
                            const bb_layout_data *data, bb_tet_search *search)
 {
-    if (!bb_tet_search_takes(layout))
-        return bb_fail(BB_UNSUPPORTED,
-                       "layout %s cannot be searched for tetrahedra: take skip, octree or olbvh",
-                       layout->name);
+    char there[128] = "";
+    list_layouts(there, sizeof there);
+    if (layout->search == BB_SEARCH_NONE)
+        return bb_fail(BB_UNSUPPORTED, "layout %s cannot be searched for tetrahedra: there are %s",
+                       layout->name, there);
     *search = (bb_tet_search){
-        .way = ways[find_way(layout->name)].way,
+        .way = layout->search,
         .scene = scene,
         .data = data,
         .ends = bb_scene_ends(scene),

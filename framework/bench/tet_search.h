@@ -8,9 +8,8 @@
 
 /* ---- choosing ---- */
 
-/* "skip" on any tree; "octree" on one with cells; "olbvh" on an OLBVH, by its published arrays and
- * traversal. The latter two with `boundary=no` without what cells say of the mesh's boundary.
- * BB_INVALID for anything else. */
+/* A layout that can be searched; those with cells take `boundary=no`, to search without what cells
+ * say of the mesh's boundary. BB_INVALID for anything else. */
 extern const bb_option bb_tet_search_options[];
 bb_status bb_tet_search_parse(const char *text, bb_spec *spec);
 
@@ -18,14 +17,6 @@ bb_status bb_tet_search_parse(const char *text, bb_spec *spec);
 bool bb_tet_search_by_boundary(const bb_spec *spec);
 
 /* ---- what is searched ---- */
-
-typedef enum bb_tet_search_way {
-    BB_SEARCH_SKIP,
-    BB_SEARCH_OCTREE,
-    BB_SEARCH_OLBVH,
-    BB_SEARCH_ALL,
-    BB_SEARCH_WAYS
-} bb_tet_search_way;
 
 enum { BB_TET_SEARCH_ARGS = 11 };
 
@@ -39,11 +30,8 @@ typedef struct bb_tet_search {
     bb_locate_args args;
 } bb_tet_search;
 
-/* Whether such a layout can be searched: "skip", "octree" and "olbvh". */
-bool bb_tet_search_takes(const bb_layout *layout);
-
-/* Whether the way has cells that say whether they list a primitive of the mesh's boundary. */
-bool bb_tet_search_has_boundary(const bb_tet_search *search);
+/* Whether cells say if they list a primitive of the mesh's boundary. */
+bool bb_tet_search_has_boundary(bb_tet_search_way way);
 
 /* BB_UNSUPPORTED for other layouts. */
 bb_status bb_tet_search_by(const bb_scene *scene, const bb_layout *layout,

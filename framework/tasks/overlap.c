@@ -63,7 +63,7 @@ bb_status bb_overlap(bb_overlapper *overlapper, const bb_scene *scene, const bb_
     bb_arg args[BB_TET_SEARCH_ARGS + 8];
     cl_kernel kernel;
     BB_TRY(bb_overlap_check(overlapper, scene, search->scene));
-    if (by_flags && !bb_tet_search_has_boundary(search))
+    if (by_flags && !bb_tet_search_has_boundary(search->way))
         return bb_fail(BB_UNSUPPORTED,
                        "there are no cells with flags of the boundary to find the inside by");
     if (by_flags)

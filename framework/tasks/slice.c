@@ -97,7 +97,7 @@ bb_status bb_slice(bb_tet_kernels *kernels, const bb_tet_search *search, bool by
     const size_t count = (size_t)slice->size[0] * slice->size[1];
     bb_arg args[BB_TET_SEARCH_ARGS + 7];
     cl_kernel kernel;
-    if (by_boundary && !bb_tet_search_has_boundary(search))
+    if (by_boundary && !bb_tet_search_has_boundary(search->way))
         return bb_fail(BB_UNSUPPORTED, "there are no cells with flags of the boundary to slice by");
     BB_TRY(bb_tet_kernels_get(kernels, there->device, search->way, by_boundary, counts != NULL,
                               &kernel));

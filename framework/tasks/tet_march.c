@@ -80,7 +80,7 @@ bb_status bb_tet_march(bb_tet_marcher *marcher, const bb_tet_search *search, boo
     const bb_prim_ends ends = bb_scene_ends(marcher->scene);
     bb_arg args[BB_TET_SEARCH_ARGS + 9];
     cl_kernel kernel;
-    if (interval && !bb_tet_search_has_boundary(search))
+    if (interval && !bb_tet_search_has_boundary(search->way))
         return bb_fail(BB_UNSUPPORTED,
                        "there are no cells with flags of the boundary to find intervals by");
     BB_TRY(bb_tet_kernels_get(&marcher->kernels, marcher->device, search->way, interval,
