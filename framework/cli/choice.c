@@ -7,6 +7,7 @@
 #include "framework/report/report.h"
 
 #include <dirent.h>
+#include <dlfcn.h>
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -112,6 +113,30 @@ bb_status bb_load_plugins(const bb_names *plugins)
     for (size_t i = 0; i < plugins->count; i++)
         BB_TRY(bb_plugin_load(plugins->items[i]));
     return BB_OK;
+}
+
+static const char here[] = "in the library's code";
+
+void bb_identity_add_choice(bb_identity *identity, const bb_cli *cli,
+                            const bb_device_choice *choice)
+{
+    static const char *const words[] = {"device", "form", "handover", "kernels-from"};
+    Dl_info info;
+    if (dladdr(here, &info) != 0)
+        bb_identity_add_file(identity, info.dli_fname);
+    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
+        bb_identity_add_text(identity, bb_cli_find(cli, words[i])->given[0]);
+    for (const char *path = getenv("BVHBENCH_PLUGINS"); path != NULL && *path != '\0';) {
+        char one[4096];
+        size_t length = strcspn(path, ":");
+        snprintf(one, sizeof one, "%.*s", (int)length, path);
+        bb_identity_add_file(identity, one);
+        path += length + (path[length] == ':');
+    }
+    if (choice->kernels_from != NULL)
+        bb_identity_add_folder(identity, choice->kernels_from);
+    for (size_t i = 0; i < choice->plugins.count; i++)
+        bb_identity_add_file(identity, choice->plugins.items[i]);
 }
 
 bb_status bb_choose_view(const bb_scene *scene, const char *name, const bb_view **view)

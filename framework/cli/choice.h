@@ -2,6 +2,7 @@
 #ifndef BB_CHOICE_H
 #define BB_CHOICE_H
 
+#include "framework/base/identity.h"
 #include "framework/cli/cli.h"
 #include "framework/cli/names.h"
 #include "framework/device/device.h"
@@ -27,6 +28,11 @@ bb_status bb_open_device(const bb_device_choice *choice, bb_device **device);
 
 /* Loads the plug-ins of BVHBENCH_PLUGINS in the environment, then all of --plugin. */
 bb_status bb_load_plugins(const bb_names *plugins);
+
+/* Adds the library's code, the plug-ins', device code of a folder, and the options that choose a
+ * device. */
+void bb_identity_add_choice(bb_identity *identity, const bb_cli *cli,
+                            const bb_device_choice *choice);
 
 /* Finds the scene's view of that name; NULL: its first view. */
 bb_status bb_choose_view(const bb_scene *scene, const char *name, const bb_view **view);

@@ -1,11 +1,12 @@
 /* bvhbench reproduce: a paper's experiments, tables and claims beside ours; or all papers'. */
+#include "framework/base/file.h"
 #include "framework/cli/inputs.h"
 #include "framework/cli/out_option.h"
 #include "framework/cli/output.h"
 #include "framework/device/run_row.h"
 #include "framework/papers/reproduce.h"
 
-#include <errno.h>
+#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -33,7 +34,7 @@ static const bb_cli_option options[] = {
      BB_INTO(wanted, request.quick), .apart = "repeats",
      .presets = (const char *const[]){"max-prims", "10000", NULL}},
     {"full-size", NULL,
-     "pictures and slices of the papers' sizes (volume: 2160^2, olbvh: 1024^2 and 999^2): hours",
+     "pictures and slices of the papers' sizes (2160^2 and 1024^2; 999^2): hours",
      BB_INTO(wanted, request.full_size), .apart = "quick"},
     BB_GROUP(bb_device_options, wanted, device),
     BB_SEED_OPTION(wanted, request.seed),
@@ -77,23 +78,52 @@ static bb_status run_paper(const bb_cli *cli, wanted *w, const char *folder, int
 
 /* ---- all of them ---- */
 
-/* In a paper's folder, once all of it was measured and nothing was wrong. */
+/* In a paper's folder, once all of it was measured and nothing was wrong: by which program, command
+ * and device. */
 #define MARK "measured-well"
+enum { MARK_LENGTH = 16 };
 
-/* Reads what an earlier call of the same command and program measured of a paper. NULL: there is
- * nothing, or not all of it, or `well` and something was wrong. */
-static bb_results *read_earlier(const bb_cli *cli, const char *folder, bool well)
+typedef struct mark {
+    char text[MARK_LENGTH + 1];
+} mark;
+
+static bb_status identify(const bb_cli *cli, const bb_device_choice *choice, mark *own)
 {
-    char path[PATH_MAX], mark[PATH_MAX];
+    uint64_t hash;
+    bb_device *device;
+    BB_TRY(bb_open_device(choice, &device));
+    bb_identity *identity = bb_identity_begin();
+    bb_identity_add_choice(identity, cli, choice);
+    bb_identity_add_text(identity, cli->command_line);
+    bb_identity_add_text(identity, device->name);
+    bb_identity_add_text(identity, device->driver);
+    bb_device_close(device);
+    BB_TRY(bb_identity_end(identity, "reproduce all", &hash));
+    snprintf(own->text, sizeof own->text, "%016" PRIx64, hash);
+    return BB_OK;
+}
+
+static bool is_marked(const char *folder, const mark *own)
+{
+    char path[PATH_MAX], *text;
+    size_t size;
+    if (bb_join_path(path, folder, MARK) != BB_OK ||
+        bb_file_read(path, MARK_LENGTH, "reproduce all", &text, &size) != BB_OK)
+        return false;
+    const bool same = strcmp(text, own->text) == 0;
+    free(text);
+    return same;
+}
+
+/* Reads what was measured of a paper. NULL: there is nothing, or not all of it. */
+static bb_results *read_paper(const char *folder)
+{
+    char path[PATH_MAX];
     bb_results *results = NULL;
     if (bb_join_path(path, folder, "results.json") != BB_OK ||
-        bb_join_path(mark, folder, MARK) != BB_OK || (well && access(mark, F_OK) != 0) ||
         bb_results_read(path, &results) != BB_OK)
         return NULL;
-    const bb_entry *context = bb_results_context(results);
-    if (strcmp(bb_get_text(context, BB_F_CONTEXT_COMMAND), cli->command_line) == 0 &&
-        strcmp(bb_get_text(context, BB_F_CONTEXT_REVISION), bb_build_revision) == 0 &&
-        !bb_get_true(context, BB_F_CONTEXT_INTERRUPTED) &&
+    if (!bb_get_true(bb_results_context(results), BB_F_CONTEXT_INTERRUPTED) &&
         bb_section_count(bb_results_section(results, BB_PAPERS)) == 1)
         return results;
     bb_results_destroy(results);
@@ -101,36 +131,34 @@ static bb_results *read_earlier(const bb_cli *cli, const char *folder, bool well
 }
 
 /* Measures a paper and, if nothing was wrong, marks its folder. */
-static bb_status measure_paper(const bb_cli *cli, wanted *w, const char *folder, int *exit_status)
+static bb_status measure_paper(const bb_cli *cli, wanted *w, const char *folder, const mark *own,
+                               int *exit_status)
 {
-    char mark[PATH_MAX];
-    int own = BB_EXIT_OK;
-    BB_TRY(bb_join_path(mark, folder, MARK));
-    (void)unlink(mark);
-    BB_TRY(run_paper(cli, w, folder, &own));
-    if (own != BB_EXIT_OK) {
-        *exit_status = own;
-        return BB_OK;
-    }
-    FILE *file = fopen(mark, "w");
-    if (file == NULL || fclose(file) != 0)
-        return bb_fail(BB_FAILED, "%s: %s", mark, strerror(errno));
+    char path[PATH_MAX];
+    int ended = BB_EXIT_OK;
+    BB_TRY(bb_join_path(path, folder, MARK));
+    (void)unlink(path);
+    BB_TRY(run_paper(cli, w, folder, &ended));
+    if (ended == BB_EXIT_OK)
+        return bb_file_write(path, own->text, MARK_LENGTH, "reproduce all");
+    *exit_status = ended;
     return BB_OK;
 }
 
 /* Measures a paper, unless it was measured before, and shows it on the page. */
-static bb_status add_paper(const bb_cli *cli, wanted *w, bb_page *page, int *exit_status)
+static bb_status add_paper(const bb_cli *cli, wanted *w, const mark *own, bb_page *page,
+                           int *exit_status)
 {
     char folder[PATH_MAX];
     BB_TRY(bb_join_path(folder, w->folder, w->request.paper->name));
-    bb_results *results = read_earlier(cli, folder, true);
+    bb_results *results = is_marked(folder, own) ? read_paper(folder) : NULL;
     if (results != NULL) {
         if (!w->request.quiet)
             fprintf(stderr, "bvhbench: %s: kept what was measured on %s\n", w->request.paper->name,
                     bb_get_text(bb_results_context(results), BB_F_CONTEXT_DATE));
     } else {
-        BB_TRY(measure_paper(cli, w, folder, exit_status));
-        results = read_earlier(cli, folder, false);
+        BB_TRY(measure_paper(cli, w, folder, own, exit_status));
+        results = read_paper(folder);
     }
     if (results == NULL) /* interrupted */
         return BB_OK;
@@ -145,12 +173,17 @@ static bb_status add_paper(const bb_cli *cli, wanted *w, bb_page *page, int *exi
 
 static bb_status write_markdown(const bb_page *page, const char *path)
 {
-    FILE *file = fopen(path, "w");
+    char *text = NULL;
+    size_t size = 0;
+    FILE *file = open_memstream(&text, &size);
     if (file == NULL)
-        return bb_fail(BB_FAILED, "%s: %s", path, strerror(errno));
+        return bb_fail(BB_REFUSED, "%s: no memory", path);
     bb_page_markdown(page, file);
-    const bool failed = ferror(file) != 0;
-    return fclose(file) == 0 && !failed ? BB_OK : bb_fail(BB_FAILED, "%s: cannot be written", path);
+    const bool failed = fclose(file) != 0;
+    const bb_status status = failed ? bb_fail(BB_REFUSED, "%s: no memory", path)
+                                    : bb_file_write(path, text, size, "reproduce all");
+    free(text);
+    return status;
 }
 
 static bb_status write_pages(const wanted *w, const bb_page *page)
@@ -168,6 +201,7 @@ static bb_status write_pages(const wanted *w, const bb_page *page)
 static bb_status run_all(const bb_cli *cli, wanted *w, int *exit_status)
 {
     bb_page *page;
+    mark own;
     if (w->scenes.count > 0)
         return bb_fail(BB_INVALID,
                        "reproduce all: papers need different scenes: leave out --scene, "
@@ -177,12 +211,13 @@ static bb_status run_all(const bb_cli *cli, wanted *w, int *exit_status)
         BB_TRY(bb_reproduce_check(&w->request));
     }
     BB_TRY(bb_out_folder(w->folder));
+    BB_TRY(identify(cli, &w->device, &own));
     BB_TRY(bb_page_create("Papers: their tables and claims beside ours", &page));
     bb_status status = BB_OK;
     for (const bb_paper *const *paper = bb_papers;
          *paper != NULL && status == BB_OK && *exit_status != BB_EXIT_INTERRUPTED; paper++) {
         w->request.paper = *paper;
-        status = add_paper(cli, w, page, exit_status);
+        status = add_paper(cli, w, &own, page, exit_status);
     }
     if (status == BB_OK)
         status = write_pages(w, page);
@@ -218,9 +253,11 @@ const bb_command bb_command_reproduce = {
                "a folder\n"
                "DIR/PAPER, and writes DIR/papers.html and DIR/PAPERS.md. If it is cut off, the "
                "same command\n"
-               "goes on: what the same program has measured, and found nothing wrong in, is kept.\n"
-               "Exit status 1: an answer is wrong, or a builder\n"
-               "or kernel failed. A claim that does not hold is not a failure.",
+               "goes on: it keeps papers in which nothing was wrong, as long as program, plug-ins "
+               "and device\n"
+               "are the same. Exit status 1: an answer is wrong, or a builder or kernel failed. A "
+               "claim that\n"
+               "does not hold is not a failure.",
     .options = options,
     .bytes = sizeof(wanted),
     .goes_on = true,

@@ -1,5 +1,4 @@
 /* bvhbench stress: where methods fail. */
-#include "framework/base/identity.h"
 #include "framework/base/interrupt.h"
 #include "framework/builder/registry.h"
 #include "framework/cli/choice.h"
@@ -9,7 +8,6 @@
 #include "framework/stress/stress.h"
 #include "traversal/traversal.h"
 
-#include <dlfcn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -98,32 +96,11 @@ static bb_status choose_methods(wanted *w)
     return add_methods(&w->intersectors, BB_AN_INTERSECTOR, w);
 }
 
-/* ---- what a point depends on besides its own parameters ---- */
-
-static const char here[] = "in the library's code";
-
-/* The library's code, the plug-ins', device code of a folder, and the options that choose a device.
- */
+/* What a point depends on besides its own parameters. */
 static bb_status identify(const bb_cli *cli, const bb_device_choice *device, uint64_t *hash)
 {
-    static const char *const words[] = {"device", "form", "handover", "kernels-from"};
     bb_identity *identity = bb_identity_begin();
-    Dl_info info;
-    if (dladdr(here, &info) != 0)
-        bb_identity_add_file(identity, info.dli_fname);
-    for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)
-        bb_identity_add_text(identity, bb_cli_find(cli, words[i])->given[0]);
-    for (const char *path = getenv("BVHBENCH_PLUGINS"); path != NULL && *path != '\0';) {
-        char one[4096];
-        size_t length = strcspn(path, ":");
-        snprintf(one, sizeof one, "%.*s", (int)length, path);
-        bb_identity_add_file(identity, one);
-        path += length + (path[length] == ':');
-    }
-    if (device->kernels_from != NULL)
-        bb_identity_add_folder(identity, device->kernels_from);
-    for (size_t i = 0; i < device->plugins.count; i++)
-        bb_identity_add_file(identity, device->plugins.items[i]);
+    bb_identity_add_choice(identity, cli, device);
     return bb_identity_end(identity, "stress", hash);
 }
 
