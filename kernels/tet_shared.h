@@ -19,6 +19,12 @@ typedef struct bb_located {
     float value;
 } bb_located;
 
+/* Which tetrahedra, counted from 0, are on the sides of a face: above, from where its corners turn
+ * to the left, and below. BB_NONE: none. */
+typedef struct bb_face_sides {
+    bb_u32 above, below;
+} bb_face_sides;
+
 /* A layout, in the form for a search for points. */
 typedef struct bb_locate_args {
     bb_u32 root;
@@ -58,6 +64,7 @@ typedef struct bb_tet_march_args {
 
 #ifndef __OPENCL_VERSION__
 BB_STATIC_ASSERT(sizeof(bb_located) == 8, "bb_located");
+BB_STATIC_ASSERT(sizeof(bb_face_sides) == 8, "bb_face_sides");
 BB_STATIC_ASSERT(sizeof(bb_locate_args) == 24, "bb_locate_args");
 BB_STATIC_ASSERT(sizeof(bb_slice_args) == 52, "bb_slice_args");
 BB_STATIC_ASSERT(sizeof(bb_sliced) == 12, "bb_sliced");

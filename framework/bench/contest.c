@@ -32,8 +32,8 @@ static bb_status ready(bb_contest *c, const bb_contest_runner *r)
 {
     if (r->without)
         return BB_OK;
-    const uint32_t w = (uint32_t)(r - c->runners) - c->first, searches = c->request->search_count;
-    return bb_contest_bring(c, &c->entrants[w / searches], &c->searches[w % searches]);
+    const bb_contest_entrant *e = &c->entrants[r->entrant];
+    return bb_contest_bring(c, e, &e->choices[r->choice]);
 }
 
 static bb_contest_answers answers_of(bb_contest *c, bool counting)
@@ -130,7 +130,7 @@ static bb_status compare_timed(bb_contest *c, const bb_contest_runner *r, uint32
 }
 
 /* Of all scenes together: their builds have the same phases. */
-static void add_phases(bb_contest_way *way, const bb_contest_entrant *e, uint32_t scenes)
+static void add_phases(bb_contest_way *way, const bb_contest_entrant *e)
 {
     const bb_instance *first = &e->trees[0].instance;
     way->phase_count = 0;
@@ -140,7 +140,7 @@ static void add_phases(bb_contest_way *way, const bb_contest_entrant *e, uint32_
             bb_contest_phase *phase = &way->phases[way->phase_count++];
             bool alone = first->step_count == 1;
             double ms = 0;
-            for (uint32_t k = 0; k < scenes; k++)
+            for (uint32_t k = 0; k < e->tree_count; k++)
                 if (s < e->trees[k].instance.step_count &&
                     p < e->trees[k].instance.steps[s].phases.count)
                     ms += e->trees[k].instance.steps[s].phases.ms[p];
@@ -157,7 +157,7 @@ static bb_status time_builds(bb_contest *c, bb_contest_entrant *e, double *build
 {
     *build_ms = *upload_ms = 0;
     bb_contest_pin(c, e);
-    for (uint32_t s = 0; s < c->task->scene_count; s++) {
+    for (uint32_t s = 0; s < e->tree_count; s++) {
         bb_build_timing timing;
         double ms = 0;
         BB_TRY(bb_resident_build(&c->residency, &e->trees[s], false, &timing));
@@ -185,8 +185,8 @@ static void audit(bb_contest *c, const bb_contest_runner *r, const char *part,
 static bb_status time_layouts(bb_contest *c, bb_contest_entrant *e, uint32_t k, double *ms)
 {
     const bb_contest_runner *r = &e->runners[k];
-    for (uint32_t s = 0; s < c->task->scene_count && !c->task->blank; s++) {
-        BB_TRY(bb_resident_layout_again(&c->residency, &e->trees[s], c->searches[k].layout));
+    for (uint32_t s = 0; s < e->tree_count && !c->task->blank; s++) {
+        BB_TRY(bb_resident_layout_again(&c->residency, &e->trees[s], e->choices[k].layout));
         *ms += r->data[s]->timing.ms;
         audit(c, r, "layout", &r->data[s]->timing);
     }
@@ -195,21 +195,20 @@ static bb_status time_layouts(bb_contest *c, bb_contest_entrant *e, uint32_t k, 
 
 static bb_status time_entrant(bb_contest *c, bb_contest_entrant *e)
 {
-    const uint32_t searches = c->request->search_count;
     double build_ms, upload_ms;
     bool refused = true;
-    for (uint32_t k = 0; k < searches; k++)
+    for (uint32_t k = 0; k < e->choice_count; k++)
         refused = refused && is_refused(&e->runners[k]);
     if (refused)
         return BB_OK;
     BB_TRY(time_builds(c, e, &build_ms, &upload_ms));
-    for (uint32_t k = 0; k < searches; k++) {
+    for (uint32_t k = 0; k < e->choice_count; k++) {
         bb_contest_runner *r = &e->runners[k];
         double layout_ms = upload_ms;
         if (is_refused(r))
             continue;
         bb_samples_add(&r->way->build, build_ms);
-        add_phases(r->way, e, c->task->scene_count);
+        add_phases(r->way, e);
         BB_TRY(time_layouts(c, e, k, &layout_ms));
         bb_samples_add(&r->way->layout, layout_ms);
     }
@@ -366,7 +365,7 @@ bb_status bb_contest_run(const bb_contest_request *request, const bb_contest_tas
                          bb_table *table)
 {
     const uint32_t first = request->without ? 1 : 0;
-    const uint32_t count = first + request->builder_count * request->search_count;
+    const uint32_t count = bb_contest_count_ways(request);
     if (count > BB_CONTEST_WAYS_MAX || count == 0)
         return bb_fail(BB_INVALID, "%u builders with %u searches are more than %d ways, or none",
                        request->builder_count, request->search_count, BB_CONTEST_WAYS_MAX - 1);

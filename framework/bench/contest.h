@@ -23,6 +23,8 @@ typedef struct bb_contest_request {
     uint32_t builder_count;
     const char *const *searches; /* bb_tet_search_parse(); of volumes, kernels */
     uint32_t search_count;
+    const char *const *kernels; /* of builders over faces: "faces/lbvh" */
+    uint32_t kernel_count;
     bool without;     /* also without a tree; the others are compared with this way */
     uint32_t repeats; /* rounds that count, after one that does not */
     uint64_t seed;
@@ -40,8 +42,9 @@ typedef struct bb_contest_runner {
     const bb_layout *layout; /* NULL without a tree */
     const bb_layout_data *data[BB_CONTEST_SCENES_MAX];
     bb_buffer lists[BB_CONTEST_SCENES_MAX];
-    bb_tracer *tracers[2]; /* the task's to fill: not counting, counting */
-    bool by_boundary;      /* flags of the boundary are used */
+    bb_tracer *tracers[2];    /* the task's to fill: not counting, counting; NULL: a search */
+    bool by_boundary;         /* flags of the boundary are used */
+    uint32_t entrant, choice; /* the contest's own */
 } bb_contest_runner;
 
 /* Answers on the device; `counts` (bb_count) is NULL if they are not asked for. */
@@ -55,16 +58,19 @@ typedef struct bb_contest_task {
     void *self;
     bb_scene *const *scenes; /* on the device */
     uint32_t scene_count;
-    bool summed; /* the questions make one answer, whose times are added up */
-    bool light;  /* answers are bb_light: primitives tested are samples, and compare() is there */
-    bool blank;  /* there is nothing to build over: trees are empty, and answers are these */
+    bb_scene *faces;     /* what builders named "faces/..." build over; NULL: there is none */
+    uint64_t face_bytes; /* that an answer by faces reads beside the layout */
+    bool summed;         /* the questions make one answer, whose times are added up */
+    bool light; /* answers are bb_light: primitives tested are samples, and compare() is there */
+    bool blank; /* there is nothing to build over: trees are empty, and answers are these */
     const void *blank_answer;
     size_t answer_bytes; /* of an item */
     uint32_t most_items; /* of a question */
     uint32_t questions;
     /* Makes a question ready, and says how many items it has. */
     bb_status (*take)(void *self, uint32_t question, uint32_t *items);
-    /* Compiles a kernel for a way, whose layout is on the device. NULL: ways search tetrahedra. */
+    /* Compiles a kernel for a way, whose layout is on the device. NULL: ways search tetrahedra;
+     * with faces, so do all ways but theirs. */
     bb_status (*compile)(void *self, const bb_kernel *kernel, const bb_spec *spec,
                          bb_contest_runner *runner);
     /* Enqueues the question. */

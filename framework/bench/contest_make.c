@@ -5,6 +5,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* What a builder or a search can't do is the way's, all else ends the contest. */
 static bb_status note(bb_contest_way *way, bb_status status)
@@ -15,9 +16,26 @@ static bb_status note(bb_contest_way *way, bb_status status)
     return BB_OK;
 }
 
-static bb_status parse_search(bb_contest *c, const char *text, bb_contest_search_choice *out)
+/* What precedes the specification of a builder over faces. */
+static const char of_faces[] = "faces/";
+
+bool bb_contest_of_faces(const char *builder)
 {
-    const bool tets = c->task->compile == NULL;
+    return strncmp(builder, of_faces, sizeof of_faces - 1) == 0;
+}
+
+uint32_t bb_contest_count_ways(const bb_contest_request *request)
+{
+    uint32_t count = request->without ? 1 : 0;
+    for (uint32_t i = 0; i < request->builder_count; i++)
+        count += bb_contest_of_faces(request->builders[i]) ? request->kernel_count
+                                                           : request->search_count;
+    return count;
+}
+
+static bb_status parse_choice(bb_contest *c, const char *text, bool tets,
+                              bb_contest_search_choice *out)
+{
     uint64_t leaf = 1;
     if (tets)
         BB_TRY(bb_tet_search_parse(text, &out->spec));
@@ -43,16 +61,16 @@ bb_status bb_contest_search(const bb_contest_runner *r, const bb_contest_task *t
 
 void bb_contest_pin(bb_contest *c, const bb_contest_entrant *e)
 {
-    bb_residency_pin(&c->residency, e->trees, c->task->scene_count);
+    bb_residency_pin(&c->residency, e->trees, e->tree_count);
 }
 
 bb_status bb_contest_bring(bb_contest *c, const bb_contest_entrant *e,
                            const bb_contest_search_choice *how)
 {
     bb_contest_pin(c, e);
-    for (uint32_t s = 0; s < c->task->scene_count; s++)
+    for (uint32_t s = 0; s < e->tree_count; s++)
         BB_TRY(bb_resident_tree(&c->residency, &e->trees[s]));
-    for (uint32_t s = 0; s < c->task->scene_count; s++)
+    for (uint32_t s = 0; s < e->tree_count; s++)
         BB_TRY(bb_resident_layout(&c->residency, &e->trees[s], how->layout));
     return BB_OK;
 }
@@ -62,14 +80,14 @@ static bb_status make_runner(bb_contest *c, const bb_contest_entrant *e, bb_cont
 {
     bb_contest_way *way = r->way;
     r->layout = c->residency.layouts[how->layout].layout;
-    for (uint32_t s = 0; s < c->task->scene_count; s++)
+    for (uint32_t s = 0; s < e->tree_count; s++)
         r->data[s] = &e->trees[s].layouts[how->layout];
     BB_TRY(bb_contest_bring(c, e, how));
     if (how->kernel != NULL)
         BB_TRY(c->task->compile(c->task->self, how->kernel, &how->spec, r));
     else
         r->by_boundary = bb_tet_search_by_boundary(&how->spec);
-    for (uint32_t s = 0; s < c->task->scene_count; s++) {
+    for (uint32_t s = 0; s < e->tree_count; s++) {
         const bb_instance *instance = &e->trees[s].instance;
         way->nodes += instance->tree.info.node_count;
         way->leaves += instance->tree.info.leaf_count;
@@ -78,6 +96,7 @@ static bb_status make_runner(bb_contest *c, const bb_contest_entrant *e, bb_cont
         way->bytes += instance->account.peak + r->data[s]->bytes;
         way->tree_bytes += bb_tree_bytes(&instance->tree);
     }
+    way->query_bytes += e->trees[0].scene == c->task->faces ? c->task->face_bytes : 0;
     return BB_OK;
 }
 
@@ -92,28 +111,48 @@ static bb_status make_tree(bb_contest *c, bb_resident *tree)
     return c->task->blank ? BB_OK : bb_resident_check(tree);
 }
 
-static bb_status make_entrant(bb_contest *c, uint32_t i)
+/* `first`: the entrant's first way. */
+static bb_status make_entrant(bb_contest *c, uint32_t i, uint32_t first)
 {
     const bb_contest_request *request = c->request;
+    const char *builder = request->builders[i];
+    const bool faces = bb_contest_of_faces(builder);
     bb_contest_entrant *e = &c->entrants[i];
     bb_status status = BB_OK;
-    e->trees = &c->residency.items[i * c->task->scene_count];
+    *e =
+        (bb_contest_entrant){.trees = &c->residency.items[i * c->task->scene_count],
+                             .tree_count = faces ? 1 : c->task->scene_count,
+                             .runners = &c->runners[first],
+                             .choices = c->choices + (faces ? request->search_count : 0),
+                             .choice_count = faces ? request->kernel_count : request->search_count};
     bb_contest_pin(c, e);
-    for (uint32_t s = 0; s < c->task->scene_count && status == BB_OK; s++) {
-        e->trees[s].text = request->builders[i];
-        e->trees[s].scene = c->task->scenes[s];
+    for (uint32_t s = 0; s < e->tree_count && status == BB_OK; s++) {
+        e->trees[s].text = builder + (faces ? sizeof of_faces - 1 : 0);
+        e->trees[s].scene = faces ? c->task->faces : c->task->scenes[s];
         status = make_tree(c, &e->trees[s]);
     }
-    e->runners = &c->runners[c->first + i * request->search_count];
-    for (uint32_t k = 0; k < request->search_count; k++) {
-        bb_contest_way *way = e->runners[k].way;
-        way->builder = request->builders[i];
-        way->search = request->searches[k];
+    for (uint32_t k = 0; k < e->choice_count; k++) {
+        bb_contest_runner *runner = &e->runners[k];
+        runner->entrant = i;
+        runner->choice = k;
+        runner->way->builder = builder;
+        runner->way->search = faces ? request->kernels[k] : request->searches[k];
         if (status != BB_OK)
-            BB_TRY(note(way, status));
+            BB_TRY(note(runner->way, status));
         else if (!c->task->blank)
-            BB_TRY(note(way, make_runner(c, e, &e->runners[k], &c->searches[k])));
+            BB_TRY(note(runner->way, make_runner(c, e, runner, &e->choices[k])));
     }
+    return BB_OK;
+}
+
+static bb_status parse_choices(bb_contest *c)
+{
+    const bb_contest_request *request = c->request;
+    const bool tets = c->task->compile == NULL || c->task->faces != NULL;
+    for (uint32_t k = 0; k < request->search_count; k++)
+        BB_TRY(parse_choice(c, request->searches[k], tets, &c->choices[k]));
+    for (uint32_t k = 0; k < request->kernel_count; k++)
+        BB_TRY(parse_choice(c, request->kernels[k], false, &c->choices[request->search_count + k]));
     return BB_OK;
 }
 
@@ -133,11 +172,10 @@ static bb_status reserve(bb_contest *c)
                                   .count = request->builder_count * c->task->scene_count};
     c->residency.items = calloc(c->residency.count, sizeof *c->residency.items);
     c->entrants = calloc(request->builder_count, sizeof *c->entrants);
-    c->searches = calloc(request->search_count, sizeof *c->searches);
-    if (c->residency.items == NULL || c->entrants == NULL || c->searches == NULL)
+    c->choices = calloc(request->search_count + request->kernel_count, sizeof *c->choices);
+    if (c->residency.items == NULL || c->entrants == NULL || c->choices == NULL)
         return bb_fail(BB_REFUSED, "no memory for a comparison");
-    for (uint32_t k = 0; k < request->search_count; k++)
-        BB_TRY(parse_search(c, request->searches[k], &c->searches[k]));
+    BB_TRY(parse_choices(c));
     for (uint32_t w = 0; w < c->way_count; w++) {
         c->ways[w].builder = c->ways[w].search = "";
         c->ways[w].light = c->task->light;
@@ -170,7 +208,7 @@ void bb_contest_clean_up(bb_contest *c)
         bb_buffer_release(&c->runners[0].lists[s]);
     free(c->residency.items);
     free(c->entrants);
-    free(c->searches);
+    free(c->choices);
     bb_host_free(c->with);
     bb_host_free(c->without);
     bb_host_free(c->counts);
@@ -181,8 +219,11 @@ void bb_contest_clean_up(bb_contest *c)
 
 bb_status bb_contest_make(bb_contest *c)
 {
+    uint32_t first = c->first;
     BB_TRY(reserve(c));
-    for (uint32_t i = 0; i < c->request->builder_count; i++)
-        BB_TRY(make_entrant(c, i));
+    for (uint32_t i = 0; i < c->request->builder_count; i++) {
+        BB_TRY(make_entrant(c, i, first));
+        first += c->entrants[i].choice_count;
+    }
     return choose_base(c);
 }

@@ -15,8 +15,17 @@ typedef struct bb_contest_search_choice {
 /* A builder: per scene its tree. */
 typedef struct bb_contest_entrant {
     bb_resident *trees;
-    bb_contest_runner *runners; /* one per search */
+    uint32_t tree_count;
+    bb_contest_runner *runners; /* one per choice */
+    const bb_contest_search_choice *choices;
+    uint32_t choice_count;
 } bb_contest_entrant;
+
+/* Whether a builder of this specification builds over faces. */
+bool bb_contest_of_faces(const char *builder);
+
+/* How many ways the request has, with the one without a tree. */
+uint32_t bb_contest_count_ways(const bb_contest_request *request);
 
 typedef struct bb_contest {
     const bb_contest_request *request;
@@ -25,9 +34,9 @@ typedef struct bb_contest {
     bb_contest_runner runners[BB_CONTEST_WAYS_MAX]; /* of all ways */
     uint32_t way_count, first;                      /* way with a tree */
     bb_contest_entrant *entrants;
-    bb_contest_search_choice *searches;
-    bb_residency residency; /* scene by scene of each builder */
-    uint32_t base;          /* the way that others are compared with */
+    bb_contest_search_choice *choices; /* searches, then kernels of faces */
+    bb_residency residency;            /* scene by scene of each builder */
+    uint32_t base;                     /* the way that others are compared with */
     unsigned char *without, *with;
     bb_count *counts;
     bb_buffer d_answers, d_counts;

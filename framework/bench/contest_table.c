@@ -158,7 +158,8 @@ static void fill_way(bb_table *table, uint32_t row, const bb_contest_way *way, d
         bb_table_set_number(table, row, &visits, way->visits);
     bb_table_set_number(table, row, &work, way->work);
     bb_table_set_number(table, row, &restarts, way->restarts);
-    bb_table_set_number(table, row, &query_bytes, (double)way->query_bytes);
+    if (way->query_bytes > 0)
+        bb_table_set_number(table, row, &query_bytes, (double)way->query_bytes);
     bb_table_set_number(table, row, &differ, (double)way->differ);
     if (way->nodes > 0)
         bb_table_set_number(table, row, &bb_column_bytes, (double)way->bytes);

@@ -5,152 +5,35 @@
  * without the boundary's flags (table 3), slices (figure 8) and overlaps (figure 10) by OLBVH,
  * alpha 0 to 2, and by the LBVH of the same tetrahedra. OLBVH is searched in three ways: as
  * published (`olbvh`: algorithm 3 on the paper's arrays), by our descent by octants (`octree`),
- * and as any tree (`skip`). The figures' bars have no numbers in the text; of the paper there are
- * table 2 and the ranges of its words. Its meshes are not to be had: here a ball, a regular block
- * (as "Jets"), a shell (as "Part" and "Pot") and a block whose cubes grow (as those with large
- * variance), or what is asked for.
+ * and as any tree (`skip`). Points are also located by the paper's rival, the nearest face on a ray
+ * (Wald et al. 2019): in our kernels over faces built by two builders, and in Embree. The figures'
+ * bars have no numbers in the text; of the paper there are table 2 and the ranges of its words. Its
+ * meshes are not to be had: here a ball, a regular block (as "Jets"), a shell (as "Part" and "Pot")
+ * and a block whose cubes grow (as those with large variance), or what is asked for.
  */
-#include "framework/papers/reproduce.h"
-#include "framework/scene/tets_gather.h"
-#include "framework/tasks/dvr.h"
-#include "framework/tasks/overlap_contest.h"
-#include "framework/tasks/slice_contest.h"
-
-#include <stdlib.h>
-#include <string.h>
-
-enum { MESHES_MAX = 16, PICTURE = 1024, SLICE_SIDE = 999 }; /* sides: the paper's */
-enum { RENDERING, SLICE, OVERLAP, TASKS };                  /* experiments, in order */
-
-#define LBVH "lbvh"
-#define ALPHA0 "olbvh"
-#define ALPHA1 "olbvh:alpha=1"
-#define ALPHA2 "olbvh:alpha=2"
-
-static const char *const builders[] = {LBVH, ALPHA0, ALPHA1, ALPHA2};
-static const char *const searches[] = {"skip", "octree", "olbvh", "olbvh:boundary=no"};
-enum { BUILDERS = sizeof builders / sizeof builders[0], SEARCHES = 3, SEARCHES_RENDERING };
-
-static const char *const meshes[] = {"tets:side=24", "tets:side=24,shape=block,jitter=0",
-                                     "tets:side=32,shape=shell",
-                                     "tets:side=20,shape=block,grade=1.4,jitter=0", NULL};
-static const char *const quick_meshes[] = {"tets:side=4", "tets:side=4,shape=shell", NULL};
-
-/* ---- measuring ---- */
-
-static const bb_column side_column = BB_FOUND_NUMBER("side", "Pixels along a picture or slice.");
-
-static void note_side(bb_table *table, const char *scene, uint32_t side)
-{
-    bb_table_set_number(table, bb_table_row(table, (bb_cell){{[BB_SCENE] = scene}}), &side_column,
-                        side);
-}
-
-/* The request of all contests. */
-static bb_contest_request contest_of(const bb_reproduce_request *request, const char *name)
-{
-    bb_contest_request contest = bb_paper_contest(request, name);
-    contest.builders = builders;
-    contest.builder_count = BUILDERS;
-    contest.searches = searches;
-    contest.search_count = SEARCHES;
-    return contest;
-}
-
-static bb_status render(const bb_reproduce_request *request, bb_scene *scene, const char *name,
-                        bb_table *table)
-{
-    bb_transfer transfer;
-    BB_TRY(bb_transfer_load(bb_transfer_presets[0].name, &transfer));
-    const uint32_t side = request->quick ? 12 : request->full_size ? PICTURE : 96;
-    bb_dvr_request dvr = {.contest = contest_of(request, name),
-                          .transfer = &transfer,
-                          .width = side,
-                          .height = side,
-                          .step = 1};
-    dvr.contest.search_count = SEARCHES_RENDERING;
-    note_side(table, name, side);
-    return bb_dvr_run(&dvr, scene, table);
-}
-
-static bb_status cut(const bb_reproduce_request *request, bb_scene *scene, const char *name,
-                     bb_table *table)
-{
-    const uint32_t side = request->quick ? 16 : request->full_size ? SLICE_SIDE : 333;
-    const double height = (double)scene->bounds.hi[2] - (double)scene->bounds.lo[2];
-    const bb_slice_request slice = {
-        .contest = contest_of(request, name),
-        /* one, as thick as 1/20 of the mesh is high: what most of table 4 amounts to */
-        .plan = {.axis = 2, .width = side, .height = side, .count = 1, .thickness = height / 20}};
-    note_side(table, name, side);
-    return bb_slice_run(&slice, scene, table);
-}
-
-/* With `other`, fitted into the middle. */
-static bb_status overlap(const bb_reproduce_request *request, bb_scene *scene, const char *name,
-                         const char *other, bb_table *table)
-{
-    const bb_contest_request contest = contest_of(request, name);
-    bb_scene *scenes[2] = {scene, NULL}, *loaded;
-    BB_TRY(bb_scene_load(other, &loaded));
-    bb_status status = loaded->tets != NULL ? bb_tets_fit(loaded, scene, 0.6, &scenes[1])
-                                            : bb_fail(BB_INVALID, "%s: has no tetrahedra", other);
-    if (status == BB_OK)
-        status = bb_scene_upload(scenes[1], request->device);
-    if (status == BB_OK)
-        status = bb_overlap_run(&contest, scenes, NULL, table);
-    bb_scene_free(scenes[1]);
-    bb_scene_free(loaded);
-    return status;
-}
-
-static bb_status measure_mesh(const bb_reproduce_request *request, const char *name,
-                              const char *next, bb_findings *f)
-{
-    bb_scene *scene;
-    for (int task = 0; task < TASKS; task++)
-        BB_TRY(bb_paper_add_scene(&f[task], name));
-    BB_TRY(bb_scene_load(name, &scene));
-    bb_status status = scene->tets != NULL ? bb_scene_upload(scene, request->device)
-                                           : bb_fail(BB_INVALID, "%s: has no tetrahedra", name);
-    if (status == BB_OK)
-        status = render(request, scene, name, f[RENDERING].table);
-    if (status == BB_OK)
-        status = cut(request, scene, name, f[SLICE].table);
-    if (status == BB_OK)
-        status = overlap(request, scene, name, next, f[OVERLAP].table);
-    bb_scene_free(scene);
-    return status;
-}
-
-static bb_status measure(const bb_reproduce_request *request, bb_findings *f, bool *wrong)
-{
-    const char *const *names = request->quick ? quick_meshes : meshes;
-    uint32_t count = request->scene_count;
-    if (count > MESHES_MAX)
-        return bb_fail(BB_INVALID, "reproduce olbvh: more than %d meshes", MESHES_MAX);
-    if (count > 0)
-        names = (const char *const *)request->scenes;
-    else
-        while (names[count] != NULL)
-            count++;
-    for (uint32_t i = 0; i < count; i++)
-        BB_TRY(measure_mesh(request, names[i], names[(i + 1) % count], f));
-    for (int task = 0; task < TASKS; task++)
-        *wrong = *wrong || bb_outline_is_wrong(&bb_slice_outline, f[task].table);
-    return BB_OK;
-}
+#include "framework/papers/olbvh.h"
 
 /* ---- figures: of trees those in volume rendering ---- */
 
 #define OVER(what_, builder_, base_) .what = what_, .builder = builder_, .base = base_
 #define SPEED .what = "answer_ms", .base = LBVH, .base_kernel = "skip", .inverse = true
-static const bb_figure bytes[] = {{OVER("tree_bytes", ALPHA0, LBVH)},
-                                  {OVER("tree_bytes", ALPHA1, LBVH)},
-                                  {OVER("tree_bytes", ALPHA2, LBVH)}},
+static const bb_figure bytes[] = {{OVER("array_bytes", ALPHA0, LBVH)},
+                                  {OVER("array_bytes", ALPHA1, LBVH)},
+                                  {OVER("array_bytes", ALPHA2, LBVH)}},
                        build = {.what = "build_ms", .base = LBVH, .base_kernel = "skip"},
                        speed = {SPEED}, speedup = {SPEED, .builder = ALPHA0, .kernel = "olbvh"},
                        by_octants = {SPEED, .builder = ALPHA0, .kernel = "octree"};
+/* Of points, over the rival's: by our kernels over trees of two builders, and by Embree. */
+#define OVER_FACES(builder_, search)                                                               \
+    {                                                                                              \
+        .what = "answer_ms", .builder = ALPHA0, .kernel = "olbvh", .base = builder_,               \
+        .base_kernel = search, .inverse = true                                                     \
+    }
+static const bb_figure over_lbvh_faces = OVER_FACES(FACES_LBVH, "stack"),
+                       over_ploc_faces = OVER_FACES(FACES_PLOC, "stack8"),
+                       over_embree = OVER_FACES(FACES_EMBREE, "packet16"),
+                       nodes_faces = {
+                           .what = "nodes_per_item", .builder = FACES_PLOC, .kernel = "stack8"};
 #define NODES(builder_, search)                                                                    \
     {                                                                                              \
         .what = "nodes_per_item", .builder = builder_, .kernel = search                            \
@@ -158,8 +41,8 @@ static const bb_figure bytes[] = {{OVER("tree_bytes", ALPHA0, LBVH)},
 static const bb_figure nodes_lbvh = NODES(LBVH, "skip"), nodes_published = NODES(ALPHA0, "olbvh"),
                        nodes_octants = NODES(ALPHA0, "octree");
 /* Of one alpha over the one before. */
-static const bb_figure less1 = {OVER("tree_bytes", ALPHA1, ALPHA0)},
-                       less2 = {OVER("tree_bytes", ALPHA2, ALPHA1)};
+static const bb_figure less1 = {OVER("array_bytes", ALPHA1, ALPHA0)},
+                       less2 = {OVER("array_bytes", ALPHA2, ALPHA1)};
 static const bb_figure references = {.what = "references_per_primitive", .builder = ALPHA0};
 
 /* ---- tables ---- */
@@ -173,14 +56,13 @@ static const bb_paper_numbers memory[] = {
 
 #define MIB(heading_, paper_, ...)                                                                 \
     {                                                                                              \
-        .heading = heading_, .decimals = 2, .paper = paper_, .figure = &(const bb_figure)          \
+        .heading = heading_, .decimals = 3, .paper = paper_, .figure = &(const bb_figure)          \
         {                                                                                          \
             .scale = 1.0 / (1 << 20), __VA_ARGS__                                                  \
         }                                                                                          \
     }
 #define TREE(builder_) .what = "tree_bytes", .builder = builder_
-/* The paper's six arrays alone. */
-#define ARRAYS(builder_) .what = "query_bytes", .builder = builder_, .kernel = "olbvh"
+#define ARRAYS(builder_) .what = "array_bytes", .builder = builder_
 #define OVER_LBVH(heading_, alpha)                                                                 \
     {                                                                                              \
         .heading = heading_, .decimals = 3, .paper = 3 + alpha, .paper_over = 2,                   \
@@ -304,6 +186,21 @@ static const bb_paper_entrant alphas[] = {
     }
 static const bb_paper_entrant rendering[] = WAYS("2 to 13", "above LBVH's", "");
 static const bb_paper_entrant slicing[] = WAYS("3 to 25", "3 to 25", "");
+static const bb_paper_entrant locating[] = {
+    WAY(LBVH, "skip", NULL),
+    OF_ALPHA(ALPHA0, "up to 8.4 times the rival's"),
+    OF_ALPHA(ALPHA1, ""),
+    OF_ALPHA(ALPHA2, ""),
+    WAY(FACES_LBVH, "stack", "Wald et al. 2019"),
+    WAY(FACES_LBVH, "stack8", NULL),
+    WAY(FACES_PLOC, "stack", NULL),
+    WAY(FACES_PLOC, "stack8", NULL),
+    WAY(FACES_EMBREE, "single", "trace alone"),
+    WAY(FACES_EMBREE, "packet8", NULL),
+    WAY(FACES_EMBREE, "packet16", NULL),
+    WAY(FACES_EMBREE, "stream", NULL),
+    {.name = NULL},
+};
 static const bb_paper_entrant overlapping[] = WAYS("5 to 52", "significant", "significant");
 
 static void say_side(bb_paper_place at, const char *what, int paper, bb_words *title)
@@ -315,12 +212,12 @@ static void say_side(bb_paper_place at, const char *what, int paper, bb_words *t
 
 static void say_picture(bb_paper_place at, bb_words *title)
 {
-    say_side(at, "pictures", PICTURE, title);
+    say_side(at, "pictures", BB_OLBVH_PICTURE, title);
 }
 
 static void say_slice(bb_paper_place at, bb_words *title)
 {
-    say_side(at, "slices", SLICE_SIDE, title);
+    say_side(at, "slices", BB_OLBVH_SLICE, title);
 }
 
 static const bb_figure answer_ms = {.what = "answer_ms"};
@@ -334,7 +231,7 @@ static const bb_paper_table tables[] = {
      .paper = shapes,
      .paper_last = true},
     {.title = "Memory, MiB: LBVH, the paper's six arrays for alpha 0 to 2, the same as a tree "
-              "here, and that over LBVH (table 2)",
+              "here, and the arrays over LBVH (table 2)",
      .columns = memory_columns,
      .by_scene = true,
      .paper = memory,
@@ -346,17 +243,21 @@ static const bb_paper_table tables[] = {
      .needs = &answer_ms},
     {.title = "volume rendering: speed over that of LBVH (figure 7); ",
      .title_words = say_picture,
-     OF_TASK(RENDERING, rendering)},
+     OF_TASK(BB_OLBVH_RENDERING, rendering)},
     {.title = "volume rendering as published, with and without the boundary's flags (table 3)",
-     .of = RENDERING,
+     .of = BB_OLBVH_RENDERING,
      .columns = marker_columns,
      .rows = alphas,
      .by_scene = true,
      .needs = &answer_ms},
     {.title = "slice: speed over that of LBVH (figure 8); ",
      .title_words = say_slice,
-     OF_TASK(SLICE, slicing)},
-    {.title = "overlap: speed over that of LBVH (figure 10)", OF_TASK(OVERLAP, overlapping)},
+     OF_TASK(BB_OLBVH_SLICES, slicing)},
+    {.title = "overlap: speed over that of LBVH (figure 10)",
+     OF_TASK(BB_OLBVH_OVERLAPS, overlapping)},
+    {.title = "points located: speed over that of LBVH; by faces: the nearest on a ray from the "
+              "point says where it is (the rival of figure 7)",
+     OF_TASK(BB_OLBVH_LOCATION, locating)},
     {.title = NULL},
 };
 
@@ -401,13 +302,24 @@ static const bb_paper_claim claims[] = {
      .ours = {{.each = true, .text = "{scene}, {row}: {0}"}}},
     {.text = "Volume rendering with alpha 0 is at least twice as fast as by LBVH",
      .paper = "2 to 13 times",
-     FASTER(RENDERING, 2)},
+     FASTER(BB_OLBVH_RENDERING, 2)},
+    {.text = "Without hardware that traces rays, points are located faster than by tracing faces "
+             "(Wald et al. 2019)",
+     .paper = "up to 8.4 times as fast",
+     .of = BB_OLBVH_LOCATION,
+     .figures = {&over_ploc_faces, &over_lbvh_faces, &over_embree, &nodes_published, &nodes_faces},
+     .tests = {{.over = BB_MOST_OF, .side = BB_ABOVE, .bound = 1}},
+     .ours = {{.each = true,
+               .text = "{scene}: {0} over PLOC's faces, {1} over LBVH's, {2} over Embree's"}},
+     .why = {{.each = true,
+              .always = true,
+              .text = "{scene}: {3.0} nodes as published, {4.0} of eight children by faces"}}},
     {.text = "Slices with alpha 0 are at least three times as fast as by LBVH",
      .paper = "3 to 25 times",
-     FASTER(SLICE, 3)},
+     FASTER(BB_OLBVH_SLICES, 3)},
     {.text = "Overlaps with alpha 0 are at least five times as fast as by LBVH",
      .paper = "5 to 52 times",
-     FASTER(OVERLAP, 5)},
+     FASTER(BB_OLBVH_OVERLAPS, 5)},
     {.text = NULL},
 };
 
@@ -416,8 +328,8 @@ const bb_paper bb_paper_olbvh = {
     .name = "olbvh",
     .title = "Stroeter, Mueller-Roemer, Stork, Fellner 2020: OLBVH: octree linear bounding volume "
              "hierarchy for volumetric meshes",
-    .builders = LBVH "," ALPHA0 "," ALPHA1 "," ALPHA2,
-    .measure = measure,
+    .builders = LBVH "," ALPHA0 "," ALPHA1 "," ALPHA2 ",ploc",
+    .measure = bb_olbvh_measure,
     .tables = tables,
     .claims = {claims},
 };

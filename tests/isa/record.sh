@@ -20,6 +20,8 @@ commands() {
             echo "$form/$handover check --form $form --handover $handover --builder all" \
                 "--scene cube --scene tets:side=2 --side 6 --quiet"
         done
+        echo "$form/arrays check --form $form --builder lobvh:levels=3,chains=keep,octree=arrays" \
+            "--scene cube --side 6 --quiet"
         echo "$form/more check --form $form --builder presplit:method=priority+lbvh" \
             "--scene soup:n=50 --side 6 --quiet"
         trace="--form $form --builder lbvh --rays primary,ao --size 8x8 --max-rays 64 --repeats 1"
@@ -39,6 +41,7 @@ commands() {
             "--builder lbvh+refit:partial=2"
     done
     echo "test/points test_locate" # no command asks for points alone
+    echo "test/faces test_locate_faces"
     for kernel in $("$program" list kernels --json | jq -r '.kernels[].name') "${variants[@]}"; do
         echo "trace/$kernel run --form gpu --scene cube --builder lbvh --kernel $kernel,stack=32" \
             "--rays primary --size 8x8 --repeats 1 --no-pictures --charts no --quiet" \
