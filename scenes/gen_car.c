@@ -67,6 +67,18 @@ static bb_status set_frame(const bb_spec *spec, const bb_option *options, bb_sce
     return drive(&motion, (uint32_t)things, scene);
 }
 
+/* Each triangle of the room by itself, each thing as one; the things move. */
+static bb_status list_objects(uint32_t room, uint32_t things, bb_scene *scene)
+{
+    const uint32_t size = (uint32_t)bb_shape_sphere_triangles(TESSELLATION);
+    BB_TRY(bb_scene_reserve_objects(scene, room + things, things));
+    for (uint32_t i = 0; i <= room + things; i++)
+        scene->object_starts[i] = i < room ? i : room + (i - room) * size;
+    for (uint32_t i = 0; i < things; i++)
+        scene->movers[i] = room + i;
+    return BB_OK;
+}
+
 /* Joins room and objects in one scene. */
 static bb_status join(const bb_scene *room, uint32_t things, bb_scene *scene)
 {
@@ -85,6 +97,7 @@ static bb_status join(const bb_scene *room, uint32_t things, bb_scene *scene)
            3ull * triangles * sizeof(uint32_t));
     scene->view_count = room->view_count;
     memcpy(scene->views, room->views, sizeof scene->views);
+    BB_TRY(list_objects(triangles, things, scene));
     return bb_crowd_index(&crowd, room->vertex_count, bb_scene_indices(scene) + 3ull * triangles);
 }
 

@@ -19,6 +19,11 @@
  *     worse; so can updates of objects that move together, since each is compared with neighbours
  *     that have not been moved yet. The paper's first tree was shuffled, its baselines' were not.
  *   - Where the children of a deleted node start: at its parent, whose box contains them.
+ *   - Objects are primitives, or with objects=collections what the scene says moves as one, each
+ *     with a tree of its own (gs_groups.c).
+ *   - Which objects have moved: all boxes are compared, since the paper's figures assume that
+ *     nothing is known of movements; moved=listed takes the scene's list, in time that does not
+ *     depend on what stands still.
  *   - How wide a node may become. Nearly equal boxes, such as those of objects that all start at
  *     the origin, would otherwise all go to one node, and each insertion would test them all.
  *
@@ -38,7 +43,12 @@ static const bb_option options[] = {
     {"max_children", "16", NULL, "arity=k: most children of a node, 3 or more; 0: any number"},
     {"search", "greedy", "greedy|bb",
      "how an object's place is found: along one path, or in the whole tree by branch and bound"},
+    {"objects", "primitives", "primitives|collections",
+     "each primitive is an object, or what the scene says belongs together, with a tree of its "
+     "own"},
     {"update", "dynamic", "dynamic|rebuild", "insert moved objects again, or build again"},
+    {"moved", "compared", "compared|listed",
+     "which objects have moved: found by comparing boxes, or all that the scene lists as moving"},
     {"start", "enclosing", "enclosing|root",
      "where the insertion of moved objects starts: the first ancestor whose box contains it, or "
      "the root"},
@@ -53,10 +63,11 @@ static const bb_option options[] = {
 typedef struct gs {
     bb_account *account;
     uint64_t seed;
-    bool dynamic;
+    bool dynamic, collections, listed;
     bb_gs_order order;
     uint64_t updates; /* since the build; each update has its own order */
     bb_gs_tree tree;
+    bb_gs_groups groups; /* of collections */
 } gs;
 
 static void destroy(void *opaque)
@@ -65,6 +76,7 @@ static void destroy(void *opaque)
     if (self == NULL)
         return;
     bb_gs_release(&self->tree);
+    bb_gs_groups_release(&self->groups);
     bb_host_free(self);
 }
 
@@ -104,16 +116,45 @@ static bb_status create(const bb_builder_context *context, void **out)
                   : bb_spec_is(context->spec, options, "order", "shuffled") ? BB_GS_SHUFFLED
                                                                             : BB_GS_AS_IN_FILE;
     self->dynamic = bb_spec_is(context->spec, options, "update", "dynamic");
-    self->tree.rules = rules;
+    self->collections = bb_spec_is(context->spec, options, "objects", "collections");
+    self->listed = bb_spec_is(context->spec, options, "moved", "listed");
+    self->tree.rules = self->groups.one.rules = rules;
+    self->tree.groups = self->collections ? &self->groups : NULL;
     return BB_OK;
 }
 
 static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
 {
     gs *self = opaque;
-    size_t count = scene->prim_count;
+    const size_t count = scene->prim_count;
+    if (self->collections && scene->object_count == 0)
+        return bb_fail(BB_UNSUPPORTED,
+                       "gs: objects=collections: the scene does not say what belongs together");
+    if (self->listed && scene->mover_count == 0)
+        return bb_fail(BB_UNSUPPORTED, "gs: moved=listed: the scene does not list what moves");
     BB_TRY(bb_tree_reserve(tree, NULL, BB_ON_HOST, 2 * count - 1, count));
-    return bb_gs_reserve(&self->tree, self->account, scene->prim_count);
+    if (self->collections)
+        BB_TRY(bb_gs_groups_reserve(&self->groups, self->account, scene));
+    return bb_gs_reserve(&self->tree, self->account,
+                         self->collections ? scene->object_count : scene->prim_count);
+}
+
+/* Makes the boxes of all objects. */
+static const bb_box *find_boxes(gs *self, const bb_scene *scene)
+{
+    if (!self->collections)
+        return scene->boxes;
+    for (uint32_t o = 0; o < self->groups.count; o++) {
+        bb_box *box = &self->groups.boxes[o];
+        *box = scene->boxes[self->groups.starts[o]];
+        for (uint32_t i = self->groups.starts[o] + 1; i < self->groups.starts[o + 1]; i++)
+            for (int k = 0; k < 3; k++) {
+                const bb_box *more = &scene->boxes[i];
+                box->lo[k] = more->lo[k] < box->lo[k] ? more->lo[k] : box->lo[k];
+                box->hi[k] = more->hi[k] > box->hi[k] ? more->hi[k] : box->hi[k];
+            }
+    }
+    return self->groups.boxes;
 }
 
 static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input, bb_tree *tree,
@@ -123,16 +164,21 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
     gs *self = opaque;
     bb_gs_tree *own = &self->tree;
     BB_TRY(prepare(self, scene, tree));
-
+    const uint32_t objects = self->collections ? scene->object_count : scene->prim_count;
+    if (self->collections) {
+        BB_TRY(bb_phase(phases, "collections"));
+        bb_gs_groups_make(&self->groups, scene, tree);
+    }
     BB_TRY(bb_phase(phases, "order"));
-    bb_gs_clear(own, scene->prim_count);
+    const bb_box *boxes = find_boxes(self, scene);
+    bb_gs_clear(own, objects);
     self->updates = 0;
-    for (uint32_t i = 0; i < scene->prim_count; i++)
+    for (uint32_t i = 0; i < objects; i++)
         own->scratch[i] = i;
-    bb_gs_put_in_order(own, self->order, scene->prim_count, self->seed, 0);
+    bb_gs_put_in_order(own, self->order, objects, self->seed, 0);
     BB_TRY(bb_phase(phases, "insert"));
-    for (uint32_t i = 0; i < scene->prim_count; i++) {
-        bb_gs_box box = bb_gs_box_of(&scene->boxes[own->scratch[i]]);
+    for (uint32_t i = 0; i < objects; i++) {
+        bb_gs_box box = bb_gs_box_of(&boxes[own->scratch[i]]);
         bb_gs_add(own, own->scratch[i], &box);
     }
     BB_TRY(bb_phase(phases, "emit"));
@@ -143,24 +189,63 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
     return bb_phase(phases, NULL);
 }
 
+/* What follows an object in the common tree. */
+static uint32_t skip_of(const gs *self, uint32_t object, const bb_tree *tree)
+{
+    return tree->nodes[self->groups.first[self->groups.count] + self->tree.leaf_of[object]].skip;
+}
+
+/* Makes the boxes of collections, of the listed ones or all. */
+static void follow(gs *self, const bb_scene *scene, bb_tree *tree)
+{
+    const uint32_t count = self->listed ? scene->mover_count : self->groups.count;
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t object = self->listed ? scene->movers[i] : i;
+        bb_gs_groups_refit(&self->groups, object, scene, skip_of(self, object, tree), tree);
+    }
+}
+
+/* Lists the objects that moved in scratch; returns their number. */
+static uint32_t find_moved(gs *self, const bb_scene *scene, const bb_box *boxes)
+{
+    uint32_t *list = self->tree.scratch, count = 0;
+    if (!self->listed)
+        return bb_gs_detect(&self->tree, boxes);
+    for (uint32_t i = 0; i < scene->mover_count; i++) {
+        const uint32_t object = scene->movers[i];
+        if (self->collections)
+            list[count++] = object;
+        for (uint32_t p = scene->object_starts[object];
+             !self->collections && p < scene->object_starts[object + 1]; p++)
+            list[count++] = p;
+    }
+    return count;
+}
+
 static bb_status update(void *opaque, const bb_scene *scene, uint32_t changed, bb_tree *tree,
                         bb_phases *phases)
 {
     gs *self = opaque;
     bb_gs_tree *own = &self->tree;
-    if (!self->dynamic || changed != BB_CHANGED_POSITIONS || scene->prim_count != own->object_count)
+    const uint32_t objects = self->collections ? scene->object_count : scene->prim_count;
+    if (!self->dynamic || changed != BB_CHANGED_POSITIONS || objects != own->object_count)
         return bb_fail(BB_UNSUPPORTED, "the tree is built again");
+    if (self->collections) {
+        BB_TRY(bb_phase(phases, "collections"));
+        follow(self, scene, tree);
+    }
     BB_TRY(bb_phase(phases, "detect"));
-    uint32_t moved = bb_gs_detect(own, scene->boxes);
+    const bb_box *boxes = self->collections ? self->groups.boxes : scene->boxes;
+    const uint32_t moved = find_moved(self, scene, boxes);
     own->reinserted = own->thinned = 0;
     BB_TRY(bb_event(phases, "moved", moved));
     if (moved == 0) {
-        bb_tree_boxes_changed(tree); /* true although not even boxes have changed */
+        bb_tree_boxes_changed(tree); /* true although not even boxes may have changed */
         return bb_phase(phases, NULL);
     }
     BB_TRY(bb_phase(phases, "move"));
     bb_gs_put_in_order(own, self->order, moved, self->seed, ++self->updates);
-    bb_gs_move(own, scene->boxes, moved);
+    bb_gs_move(own, boxes, moved);
     BB_TRY(bb_phase(phases, "thin"));
     bb_gs_thin(own);
     BB_TRY(bb_event(phases, "reinserted", own->reinserted));
@@ -193,7 +278,7 @@ const bb_builder bb_builder_gs = {
     .summary = "inserts each object where it costs least, on the host; moved objects again",
     .paper = "Goldsmith and Salmon 1987; Eisemann et al. 2007, section 3.1",
     .kinds = BB_ALL_KINDS,
-    .inputs = BB_INPUT_BOXES,
+    .inputs = BB_INPUT_BOXES | BB_INPUT_OBJECTS,
     .place = BB_ON_HOST,
     .deterministic = true,
     .options = options,

@@ -5,6 +5,7 @@
  *   gs_insert.c  the cheapest place for a box
  *   gs_update.c  objects that moved
  *   gs_thin.c    nodes that have become too large for their objects
+ *   gs_groups.c  objects of several primitives
  *   gs_emit.c    writing the common tree
  *
  * Between calls each box is the union of its children's, bit for bit, and an inner node has two or
@@ -76,8 +77,21 @@ typedef struct bb_gs_tree {
     uint32_t count;      /* slots, including free ones */
     uint32_t free, root; /* BB_NONE if there is none */
     uint32_t arity;
-    uint32_t reinserted, thinned; /* by the last update */
+    uint32_t reinserted, thinned;      /* by the last update */
+    const struct bb_gs_groups *groups; /* NULL: each object is a primitive */
 } bb_gs_tree;
+
+/* Objects that are collections of primitives, each with a tree of its own. */
+typedef struct bb_gs_groups {
+    uint32_t count;
+    const uint32_t *starts; /* the scene's object_starts */
+    bb_box *boxes;          /* per object */
+    uint32_t *first;        /* per object: its first node in the common tree; and their number */
+    uint32_t *heights;      /* per object */
+    uint32_t arity;
+    bb_gs_tree one; /* for the tree of one object, and its nodes in the common format */
+    bb_node *nodes;
+} bb_gs_groups;
 
 /* ---- boxes ---- */
 
@@ -191,6 +205,25 @@ void bb_gs_move(bb_gs_tree *tree, const bb_box *boxes, uint32_t moved);
 void bb_gs_start_q(bb_gs_tree *tree);
 
 void bb_gs_thin(bb_gs_tree *tree);
+
+/* ---- gs_groups.c ---- */
+
+bb_status bb_gs_groups_reserve(bb_gs_groups *groups, bb_account *account, const bb_scene *scene);
+void bb_gs_groups_release(bb_gs_groups *groups);
+
+/* Makes the trees of all objects in `out`, from its first node on. */
+void bb_gs_groups_make(bb_gs_groups *groups, const bb_scene *scene, bb_tree *out);
+
+/* Whether the object has nodes of its own below its root: more than one primitive. */
+bool bb_gs_is_group(const bb_gs_groups *groups, uint32_t object);
+
+/* Sets what follows after the object's last nodes. */
+void bb_gs_groups_end(const bb_gs_groups *groups, uint32_t object, uint32_t skip, bb_tree *out);
+
+/* Makes the boxes of the object's nodes, and its own, from those of its primitives. `skip`: what
+ * follows it. */
+void bb_gs_groups_refit(bb_gs_groups *groups, uint32_t object, const bb_scene *scene, uint32_t skip,
+                        bb_tree *out);
 
 /* ---- gs_emit.c ---- */
 

@@ -17,6 +17,48 @@
 
 enum { MANY = 4 }; /* many: more than a fourth of the nodes */
 
+/* ---- collections, whose nodes come first ---- */
+
+/* Returns the number of nodes before those of this tree. */
+static uint32_t nodes_before(const bb_gs_tree *tree)
+{
+    return tree->groups != NULL ? tree->groups->first[tree->groups->count] : 0;
+}
+
+static uint32_t shifted(const bb_gs_tree *tree, uint32_t n)
+{
+    return n != BB_NONE ? nodes_before(tree) + n : BB_NONE;
+}
+
+static bool is_group(const bb_gs_tree *tree, const bb_gs_node *leaf)
+{
+    return tree->groups != NULL && bb_gs_is_leaf(leaf) &&
+           bb_gs_is_group(tree->groups, leaf->first & BB_INDEX_MASK);
+}
+
+static uint32_t height_of_leaf(const bb_gs_tree *tree, const bb_gs_node *leaf)
+{
+    return is_group(tree, leaf) ? tree->groups->heights[leaf->first & BB_INDEX_MASK] : 0;
+}
+
+static uint32_t first_of(const bb_gs_tree *tree, const bb_gs_node *node)
+{
+    const uint32_t object = node->first & BB_INDEX_MASK;
+    if (!bb_gs_is_leaf(node))
+        return shifted(tree, node->first);
+    if (tree->groups == NULL)
+        return node->first;
+    return is_group(tree, node) ? tree->groups->first[object]
+                                : BB_LEAF_BIT | tree->groups->starts[object];
+}
+
+static void write_skip_of(const bb_gs_tree *tree, uint32_t n, uint32_t skip, bb_tree *out)
+{
+    out->nodes[shifted(tree, n)].skip = skip;
+    if (is_group(tree, &tree->nodes[n]))
+        bb_gs_groups_end(tree->groups, tree->nodes[n].first & BB_INDEX_MASK, skip, out);
+}
+
 /* ---- all nodes ---- */
 
 /* scratch[n]: number of node n in preorder; BB_NONE for free slots. */
@@ -89,14 +131,16 @@ static void emit_all(bb_gs_tree *tree, bb_tree *out)
     tree->free = BB_NONE;
     for (uint32_t i = 0; i < count; i++) {
         const bb_gs_node *from = &tree->nodes[i];
-        bb_node *to = &out->nodes[i];
+        bb_node *to = &out->nodes[shifted(tree, i)];
         memcpy(to->lo, from->box.lo, sizeof to->lo);
         memcpy(to->hi, from->box.hi, sizeof to->hi);
-        to->first = from->first;
-        to->skip = from->next != BB_NONE     ? from->next
-                   : from->parent != BB_NONE ? out->nodes[from->parent].skip
-                                             : BB_NONE;
-        tree->heights[i] = 0;
+        to->first = first_of(tree, from);
+        write_skip_of(tree, i,
+                      from->next != BB_NONE     ? shifted(tree, from->next)
+                      : from->parent != BB_NONE ? out->nodes[shifted(tree, from->parent)].skip
+                                                : BB_NONE,
+                      out);
+        tree->heights[i] = height_of_leaf(tree, from);
         tree->marks[i] = (uint8_t)(tree->marks[i] & BB_GS_TOUCHED);
     }
     for (uint32_t i = count; i-- > 1;) {
@@ -113,9 +157,9 @@ static void write_skip(const bb_gs_tree *tree, uint32_t n, bb_tree *out)
     uint32_t up = n;
     while (up != BB_NONE && nodes[up].next == BB_NONE)
         up = nodes[up].parent;
-    uint32_t skip = up != BB_NONE ? nodes[up].next : BB_NONE;
+    const uint32_t skip = up != BB_NONE ? shifted(tree, nodes[up].next) : BB_NONE;
     for (;;) {
-        out->nodes[n].skip = skip;
+        write_skip_of(tree, n, skip, out);
         if (bb_gs_is_leaf(&nodes[n]))
             return;
         n = nodes[nodes[n].first].prev;
@@ -126,7 +170,8 @@ static void update_heights(bb_gs_tree *tree, uint32_t n)
 {
     const bb_gs_node *nodes = tree->nodes;
     for (; n != BB_NONE; n = nodes[n].parent) {
-        uint32_t height = 0, c = bb_gs_is_leaf(&nodes[n]) ? BB_NONE : nodes[n].first;
+        uint32_t height = height_of_leaf(tree, &nodes[n]);
+        uint32_t c = bb_gs_is_leaf(&nodes[n]) ? BB_NONE : nodes[n].first;
         for (; c != BB_NONE; c = nodes[c].next)
             height = height > tree->heights[c] ? height : tree->heights[c] + 1;
         if (height == tree->heights[n])
@@ -140,10 +185,10 @@ static void emit_marked(bb_gs_tree *tree, bb_tree *out)
     const uint8_t which = BB_GS_BOX | BB_GS_SKIP | BB_GS_HEIGHT;
     for (uint32_t n = 0; (n = bb_gs_next_marked(tree, n, which)) < tree->count; n++) {
         const bb_gs_node *from = &tree->nodes[n];
-        bb_node *to = &out->nodes[n];
+        bb_node *to = &out->nodes[shifted(tree, n)];
         memcpy(to->lo, from->box.lo, sizeof to->lo);
         memcpy(to->hi, from->box.hi, sizeof to->hi);
-        to->first = from->first;
+        to->first = first_of(tree, from);
         if ((tree->marks[n] & BB_GS_SKIP) != 0)
             write_skip(tree, n, out);
         if ((tree->marks[n] & BB_GS_HEIGHT) != 0)
@@ -169,10 +214,13 @@ void bb_gs_emit(bb_gs_tree *tree, bool whole, bb_tree *out)
         bb_gs_compact(tree);
         emit_marked(tree, out);
     }
-    out->info = (bb_tree_info){.root = tree->root,
-                               .node_count = tree->count,
-                               .leaf_count = tree->object_count,
-                               .ref_count = tree->object_count,
-                               .arity = tree->arity,
+    const bb_gs_groups *groups = tree->groups;
+    const uint32_t prims = groups != NULL ? groups->starts[groups->count] : tree->object_count;
+    const uint32_t arity = groups != NULL ? groups->arity : 0;
+    out->info = (bb_tree_info){.root = shifted(tree, tree->root),
+                               .node_count = nodes_before(tree) + tree->count,
+                               .leaf_count = prims,
+                               .ref_count = prims,
+                               .arity = arity > tree->arity ? arity : tree->arity,
                                .depth = tree->heights[tree->root]};
 }

@@ -29,7 +29,7 @@ extern "C" {
 #endif
 
 /* Incremented whenever the layout or meaning of this header, or of a struct it uses, changes. */
-enum { BB_ABI_VERSION = 14 };
+enum { BB_ABI_VERSION = 15 };
 
 /* The inputs that a builder may declare. They are in place when the clock starts. Everything else
  * in the scene that the hooks get is zero, except kinds, counts and names. Views are withheld too,
@@ -48,6 +48,7 @@ enum {
     BB_INPUT_PROFILE = 1u << 3,  /* bounds and profile: measured by the harness, not timed */
     BB_INPUT_VOLUME = 1u << 4,   /* volume, and on_device.bricks, ranges and seen */
     BB_INPUT_TETS = 1u << 5,     /* tets and on_device.tet_flags, if the scene has tetrahedra */
+    BB_INPUT_OBJECTS = 1u << 6, /* object_starts and movers, if the scene says; not of references */
     BB_INPUTS_OF_PRIMITIVES = BB_INPUT_GEOMETRY | BB_INPUT_VOLUME | BB_INPUT_TETS,
 };
 

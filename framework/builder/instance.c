@@ -188,6 +188,12 @@ static bb_scene declared_part(const bb_stage *stage, const bb_scene *scene)
         part.bounds = scene->bounds;
         part.profile = scene->profile;
     }
+    if ((inputs & BB_INPUT_OBJECTS) != 0) {
+        part.object_count = scene->object_count;
+        part.object_starts = scene->object_starts;
+        part.mover_count = scene->mover_count;
+        part.movers = scene->movers;
+    }
     if (may_see_views(stage)) {
         part.view_count = scene->view_count;
         memcpy(part.views, scene->views, sizeof part.views);
@@ -203,6 +209,8 @@ bb_scene bb_stage_part(const bb_instance *instance, uint32_t i, const bb_scene *
     if (!bb_stage_is_fed_with_references(instance, i))
         return part;
     part.prim_count = references->count;
+    part.object_count = part.mover_count = 0;
+    part.object_starts = part.movers = NULL;
     if ((stage->builder->inputs & BB_INPUT_BOXES) != 0) {
         part.boxes = stage->builder->place == BB_ON_HOST ? references->boxes : NULL;
         part.on_device.boxes = references->d_boxes;

@@ -223,8 +223,8 @@ bb_status bb_builder_validate(const bb_builder *builder)
                        "builder with the bad name '%.40s': a letter, then a-z, 0-9 and '-', and "
                        "neither \"all\" nor \"" BB_REFERENCE_NAME "\"",
                        builder->name == NULL ? "" : builder->name);
-    const uint32_t inputs =
-        BB_INPUT_BOXES | BB_INPUT_TREE | BB_INPUT_PROFILE | BB_INPUTS_OF_PRIMITIVES;
+    const uint32_t inputs = BB_INPUT_BOXES | BB_INPUT_TREE | BB_INPUT_PROFILE | BB_INPUT_OBJECTS |
+                            BB_INPUTS_OF_PRIMITIVES;
     const struct {
         bool good;
         const char *problem;
@@ -308,8 +308,10 @@ void bb_input_words(uint32_t inputs, char *text, size_t capacity)
     static const struct {
         uint32_t input;
         const char *word;
-    } words[] = {
-        {BB_INPUT_BOXES, "boxes"}, {BB_INPUT_GEOMETRY, "geometry"}, {BB_INPUT_PROFILE, "profile"}};
+    } words[] = {{BB_INPUT_BOXES, "boxes"},
+                 {BB_INPUT_GEOMETRY, "geometry"},
+                 {BB_INPUT_PROFILE, "profile"},
+                 {BB_INPUT_OBJECTS, "objects"}};
     size_t used = 0;
     text[0] = '\0';
     for (size_t i = 0; i < sizeof words / sizeof words[0] && used < capacity; i++)

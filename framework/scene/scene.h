@@ -126,7 +126,14 @@ typedef struct bb_scene {
      * makes visible, in the order of the bricks, and the bounds are the whole volume's.
      */
     bb_volume *volume;
-    uint32_t *bricks;           /* of a volume: brick of each primitive */
+    uint32_t *bricks; /* of a volume: brick of each primitive */
+    /* Things that move as one: object i has the primitives from object_starts[i] up to, but not
+     * including, object_starts[i + 1]. 0: the scene does not say. */
+    uint32_t object_count;
+    uint32_t *object_starts;
+    /* The objects that move, in ascending order; all others never do. 0: the scene does not say. */
+    uint32_t mover_count;
+    uint32_t *movers;
     struct bb_tets *tets;       /* of tetrahedra: tets.h; NULL: there are none */
     struct bb_scene_seal *seal; /* hashes: bb_scene_seal(); NULL: not taken yet */
     bb_scene_device on_device;
@@ -190,6 +197,9 @@ bb_status bb_scene_reserve(bb_scene *scene, uint64_t vertex_count, const bb_prim
 
 /* The same for triangles only. */
 bb_status bb_scene_reserve_mesh(bb_scene *scene, uint64_t vertex_count, uint64_t triangle_count);
+/* For generators: allocates the scene's objects, object_starts with one entry more than there are,
+ * and a list of those that move, to be filled. */
+bb_status bb_scene_reserve_objects(bb_scene *scene, uint32_t objects, uint32_t movers);
 
 /* Checks a filled scene (finite, indices in range, at least one primitive), turns every -0 into +0,
  * and computes boxes, bounds, scale and hash. */

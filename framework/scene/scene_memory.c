@@ -77,6 +77,17 @@ bb_prim_ends bb_scene_ends(const bb_scene *scene)
     return ends;
 }
 
+bb_status bb_scene_reserve_objects(bb_scene *scene, uint32_t objects, uint32_t movers)
+{
+    BB_TRY(bb_host_alloc(NULL, ((size_t)objects + 1) * sizeof *scene->object_starts,
+                         "objects of a scene", &scene->object_starts));
+    BB_TRY(
+        bb_host_alloc(NULL, movers * sizeof *scene->movers, "objects that move", &scene->movers));
+    scene->object_count = objects;
+    scene->mover_count = movers;
+    return BB_OK;
+}
+
 void bb_scene_free(bb_scene *scene)
 {
     if (scene == NULL)
@@ -95,6 +106,8 @@ void bb_scene_free(bb_scene *scene)
     bb_host_free(scene->boxes);
     bb_scene_free_motion(scene);
     bb_host_free(scene->bricks);
+    bb_host_free(scene->object_starts);
+    bb_host_free(scene->movers);
     bb_volume_free(scene->volume);
     bb_tets_free(scene->tets);
     bb_host_free(scene->seal);

@@ -15,7 +15,7 @@ enum {
     LINE = 64,    /* bytes */
     ITEMS = 4096, /* that hash a buffer together */
     GROUP_SIZE = 64,
-    PARTS_MAX = 8 + 6 + BB_KIND_COUNT,
+    PARTS_MAX = 10 + 6 + BB_KIND_COUNT,
 };
 
 /* Of a part that is larger, such as the bricks of a volume, evenly spaced lines are hashed. */
@@ -55,6 +55,10 @@ static void list_host(const bb_scene *scene, parts *all)
     for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++)
         add(all, "primitives", scene->prims[kind].data,
             scene->prims[kind].count * bb_prim_bytes(kind));
+    if (scene->object_count > 0)
+        add(all, "objects", scene->object_starts,
+            ((size_t)scene->object_count + 1) * sizeof *scene->object_starts);
+    add(all, "objects that move", scene->movers, scene->mover_count * sizeof *scene->movers);
     if (volume != NULL) {
         add(all, "volume", volume, sizeof *volume);
         add(all, "bricks", volume->bricks, bb_volume_bytes(volume));
