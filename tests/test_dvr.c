@@ -149,6 +149,25 @@ static void less_is_printed_briefly(void **state)
     assert_null(strstr(o->out, "medians"));
 }
 
+/* The same tree with memory for all bricks, or for those that are seen alone. */
+static void room_is_for_all_bricks(void **state)
+{
+    (void)state;
+    const char *scene = "nbody:n=70, transfer function shells";
+    bb_table *table =
+        printed_table(run("volume --scene nbody:n=70 --transfer shells --builder "
+                          "vlbvh,vlbvh:room=seen --kernel stack --size 12x12 --steps none "
+                          "--repeats 1 --json"));
+    const double all = number(table, way_cell(scene, "vlbvh", "stack"), "bytes");
+    const double seen = number(table, way_cell(scene, "vlbvh:room=seen", "stack"), "bytes");
+    const double share = number(table, scene_cell(scene), "bricks_seen_percent");
+    assert_true(share < 60 && seen < all);
+    assert_true(number(table, way_cell(scene, "vlbvh:room=seen", "stack"), "differ") == 0);
+    assert_true(number(table, way_cell(scene, "vlbvh", NULL), "tree_bytes") ==
+                number(table, way_cell(scene, "vlbvh:room=seen", NULL), "tree_bytes"));
+    bb_table_free(table);
+}
+
 /* No tree and a blank picture; and back again. */
 static void nothing_is_seen_of_an_empty_volume(void **state)
 {
@@ -314,6 +333,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(volumes_are_compared),
         cmocka_unit_test(less_is_printed_briefly),
+        cmocka_unit_test(room_is_for_all_bricks),
         cmocka_unit_test(nothing_is_seen_of_an_empty_volume),
         cmocka_unit_test(meshes_are_compared),
         cmocka_unit_test(ways_that_cannot_say_so),

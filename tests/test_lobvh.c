@@ -124,6 +124,9 @@ static void options_mean_what_they_say(void **state)
         {",view=-3/2/-1", SMALLEST, true, false, 2, {-3, 2, -1}},
         {",view=0/-1/0", SMALLEST, true, false, 2, {0, -1, 0}},
         {",view=2/-1/-3,side=largest", LARGEST, true, false, 2, {2, -1, -3}},
+        {",chains=keep,octree=arrays", SMALLEST, true, true, 2, {0, 0, 0}},
+        {",fit=no,side=largest,chains=keep,octree=arrays", LARGEST, false, true, 2, {0, 0, 0}},
+        {",view=-3/2/-1,chains=keep,octree=arrays", SMALLEST, true, true, 2, {-3, 2, -1}},
     };
     for (size_t k = 0; k < INPUTS; k++) {
         uint32_t count = small ? 60 : 777;
@@ -234,6 +237,38 @@ static void what_does_not_fit_is_refused_beforehand(void **state)
     bb_buffer_release(&scene.on_device.boxes);
 }
 
+/* Four arrays of 40 bytes a node; in bits, a twentieth of that. */
+static void the_papers_arrays_are_booked(void **state)
+{
+    (void)state;
+    const uint64_t nodes = 299593; /* of levels 0 to 6 */
+    const char *const builders[] = {"lobvh:levels=6,chains=keep,octree=arrays",
+                                    "lobvh:levels=6,chains=keep"};
+    uint64_t peaks[2];
+    bb_box *boxes = make_boxes(inputs, 0, 100);
+    for (int i = 0; i < 2; i++) {
+        box_build b;
+        open_box_build(&b, devices[0], builders[i], boxes, 100, "arrays");
+        peaks[i] = b.instance.account.peak;
+        close_box_build(&b);
+    }
+    assert_true(peaks[0] > 40 * nodes && peaks[0] < 44 * nodes);
+    assert_true(peaks[1] < 2 * nodes);
+    free(boxes);
+    bb_instance instance = {0};
+    bb_box box;
+    set_box(&box, (const double[]){0, 0, 0}, (const double[]){1, 1, 1});
+    bb_scene scene = scene_of(&box, 1);
+    assert_int_equal(upload_boxes(&scene, devices[0]), BB_OK);
+    assert_int_equal(bb_instance_create(devices[0], "lobvh:levels=10,chains=keep,octree=arrays",
+                                        &scene, 1, &instance),
+                     BB_OK);
+    assert_int_equal(bb_instance_build(&instance, &scene, false, NULL), BB_REFUSED);
+    assert_non_null(strstr(bb_message(), "1227133513 nodes"));
+    bb_instance_destroy(&instance);
+    bb_buffer_release(&scene.on_device.boxes);
+}
+
 /* auto takes no more levels than tell the centroids apart; the level and the order are said. */
 static void the_level_is_chosen_and_said(void **state)
 {
@@ -268,7 +303,7 @@ static void bad_options_are_refused(void **state)
     static const char *const bad[] = {
         "lobvh:levels=0",     "lobvh:levels=11",  "lobvh:side=longest", "lobvh:loose=1",
         "lobvh:loose=17",     "lobvh:loose=nan",  "lobvh:fit=maybe",    "lobvh:chains=cut",
-        "lobvh:view=nowhere", "lobvh:view=0/0/0",
+        "lobvh:view=nowhere", "lobvh:view=0/0/0", "lobvh:octree=words", "lobvh:octree=arrays",
     };
     bb_box box;
     set_box(&box, (const double[]){0, 0, 0}, (const double[]){1, 1, 1});
@@ -295,6 +330,7 @@ int main(void)
         cmocka_unit_test(options_mean_what_they_say),
         cmocka_unit_test(levels_are_those_of_brute_force),
         cmocka_unit_test(what_does_not_fit_is_refused_beforehand),
+        cmocka_unit_test(the_papers_arrays_are_booked),
         cmocka_unit_test(the_level_is_chosen_and_said),
         cmocka_unit_test(bad_options_are_refused),
     };

@@ -16,9 +16,11 @@
  *   keeps it, as the paper does. Its box equals its child's, so a ray that tests both gains nothing
  *   (without such nodes the SAH cost of real scenes is up to 17 % lower).
  * - The dense octree is kept in bits, so 8 to 10 levels are affordable; the paper reaches 8.
+ *   `octree=arrays` keeps it in the paper's four arrays (lobvh_dense.h): the same tree.
  * - Spheres are measured by their box, whose sides are the diameter, rounded outwards.
  */
 #include "builders/common/view_order.h"
+#include "builders/lobvh/lobvh_dense.h"
 #include "framework/builder/builder.h"
 
 #include <math.h>
@@ -44,6 +46,8 @@ static const bb_option options[] = {
     {"loose", "2", NULL, "size of an enlarged cell, in cells, above 1, up to 16"},
     {"fit", "yes", "yes|no", "put a box one level deeper if it fits into the enlarged cell there"},
     {"chains", "skip", "skip|keep", "nodes with a single child and nothing else"},
+    {"octree", "bits", "bits|arrays",
+     "how it is kept: in bits, or in the paper's four arrays, with chains=keep"},
     {"view", "none", NULL, BB_VIEW_ORDER_HELP},
     {.name = NULL},
 };
@@ -54,6 +58,8 @@ typedef struct lobvh {
     uint32_t levels_given; /* 0: auto */
     float looseness;       /* a - 1 */
     bool chains;           /* keep nodes with one child */
+    bool by_arrays;        /* by `dense`; no kernel but keys_kernel is needed */
+    bb_lobvh_dense dense;
     const char *view;
     bb_primitives *primitives;
     cl_program program;
@@ -85,6 +91,7 @@ static void destroy(void *opaque)
     for (size_t i = 0; i < sizeof kernels / sizeof kernels[0]; i++)
         bb_kernel_release(kernels[i]);
     bb_program_release(self->program);
+    bb_lobvh_dense_release(&self->dense);
     bb_primitives_destroy(self->primitives);
     free(self);
 }
@@ -117,6 +124,10 @@ static bb_status create(const bb_builder_context *context, void **out)
     self->device = context->device;
     self->account = context->account;
     self->chains = bb_spec_is(context->spec, options, "chains", "keep");
+    self->by_arrays = bb_spec_is(context->spec, options, "octree", "arrays");
+    if (self->by_arrays && !self->chains)
+        return bb_fail(BB_INVALID, "builder lobvh: octree=arrays keeps chains, as published: take "
+                                   "chains=keep with it");
     self->view = bb_spec_value(context->spec, options, "view");
     double loose;
     BB_TRY(bb_spec_double(context->spec, options, "loose", 1.001, 16, &loose));
@@ -127,6 +138,8 @@ static bb_status create(const bb_builder_context *context, void **out)
         self->levels_given = (uint32_t)levels;
     }
     BB_TRY(bb_primitives_create(self->device, self->account, &self->primitives));
+    if (self->by_arrays)
+        BB_TRY(bb_lobvh_dense_create(self->device, self->account, &self->dense));
     return compile(self, context->spec);
 }
 
@@ -150,17 +163,21 @@ static uint64_t own_bytes(uint32_t levels)
 }
 
 /* Returns the bytes of the arrays that grow with the octree, not with the scene. */
-static uint64_t dense_bytes(uint32_t levels)
+static uint64_t dense_bytes(const lobvh *self, uint32_t levels)
 {
-    return (uint64_t)words_of(levels) * (8 + 4) + own_bytes(levels);
+    return self->by_arrays ? bb_lobvh_dense_bytes(levels)
+                           : (uint64_t)words_of(levels) * (8 + 4) + own_bytes(levels);
 }
 
 static bool has_room(const lobvh *self, uint32_t levels)
 {
     const bb_device *device = self->device;
-    uint64_t held = self->occupied.bytes + self->own.bytes + self->offsets.bytes;
-    return (uint64_t)words_of(levels) * 8 <= device->largest_allocation &&
-           dense_bytes(levels) <= device->global_bytes - device->bytes + held;
+    const uint64_t held = self->occupied.bytes + self->own.bytes + self->offsets.bytes +
+                          bb_lobvh_dense_held(&self->dense);
+    const uint64_t largest =
+        self->by_arrays ? bb_lobvh_dense_largest(levels) : (uint64_t)words_of(levels) * 8;
+    return largest <= device->largest_allocation &&
+           dense_bytes(self, levels) <= device->global_bytes - device->bytes + held;
 }
 
 /* Returns the level of the median primitive by equation 1, as if it were a cube: deeper levels only
@@ -188,7 +205,7 @@ static uint32_t choose_levels(const lobvh *self, const bb_scene *scene)
         levels++;
     if (scene->profile.octree_depth > 0 && scene->profile.octree_depth < levels)
         levels = scene->profile.octree_depth;
-    while (levels > 1 && dense_bytes(levels) > count * BINARY_TREE_BYTES)
+    while (levels > 1 && dense_bytes(self, levels) > count * BINARY_TREE_BYTES)
         levels--;
     return levels > 1 ? levels : 1;
 }
@@ -206,7 +223,7 @@ static bb_status refuse(const lobvh *self)
                    "builder lobvh: levels=%u is a dense octree of %u nodes in %llu bytes, "
                    "%s has %llu left and allows %llu in a buffer%s",
                    self->levels, nodes_above(self->levels + 1),
-                   (unsigned long long)dense_bytes(self->levels), device->name,
+                   (unsigned long long)dense_bytes(self, self->levels), device->name,
                    (unsigned long long)(device->global_bytes - device->bytes),
                    (unsigned long long)device->largest_allocation, advice);
 }
@@ -233,6 +250,17 @@ static bb_status reserve(lobvh *self, size_t bytes, const char *what, bb_buffer 
     return bb_buffer_reserve(self->device, self->account, bytes, what, buffer);
 }
 
+/* The octree in bits. */
+static bb_status reserve_bits(lobvh *self, size_t nodes)
+{
+    const size_t words = words_of(self->levels);
+    BB_TRY(reserve(self, words * 8, "lobvh: occupied nodes", &self->occupied));
+    BB_TRY(reserve(self, own_bytes(self->levels), "lobvh: nodes with primitives", &self->own));
+    BB_TRY(reserve(self, words * sizeof(uint32_t), "lobvh: offsets", &self->offsets));
+    BB_TRY(reserve(self, sizeof(uint32_t), "lobvh: total", &self->total));
+    return reserve(self, nodes, "lobvh: heights", &self->heights);
+}
+
 static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
 {
     lobvh *self = opaque;
@@ -243,12 +271,9 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
     self->levels = self->levels_given > 0 ? self->levels_given : choose_levels(self, scene);
     if (!has_room(self, self->levels))
         return refuse(self);
-    size_t words = words_of(self->levels), nodes = tree_nodes_max(self, count);
-    BB_TRY(reserve(self, words * 8, "lobvh: occupied nodes", &self->occupied));
-    BB_TRY(reserve(self, own_bytes(self->levels), "lobvh: nodes with primitives", &self->own));
-    BB_TRY(reserve(self, words * sizeof(uint32_t), "lobvh: offsets", &self->offsets));
-    BB_TRY(reserve(self, sizeof(uint32_t), "lobvh: total", &self->total));
-    BB_TRY(reserve(self, nodes, "lobvh: heights", &self->heights));
+    const size_t nodes = tree_nodes_max(self, count);
+    BB_TRY(self->by_arrays ? bb_lobvh_dense_reserve(&self->dense, self->levels)
+                           : reserve_bits(self, nodes));
     BB_TRY(reserve(self, 2 * sizeof(bb_box), "lobvh: bounds", &self->bounds));
     BB_TRY(reserve(self, count * sizeof(uint32_t), "lobvh: keys", &self->keys));
     BB_TRY(reserve(self, count * sizeof(uint32_t), "lobvh: indices", &self->values));
@@ -358,6 +383,11 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
     BB_TRY(make_keys(self, boxes, count));
     BB_TRY(bb_phase(phases, "sort"));
     BB_TRY(sort(self, count));
+    if (self->by_arrays) {
+        BB_TRY(bb_lobvh_dense_link(&self->dense, self->primitives, &self->keys, &self->values,
+                                   boxes, count, self->levels, tree, phases));
+        return bb_phase(phases, NULL);
+    }
     BB_TRY(bb_phase(phases, "pointer setup"));
     BB_TRY(set_pointers(self, count, tree));
     BB_TRY(bb_phase(phases, "vacancy"));
@@ -376,10 +406,10 @@ static bb_status describe(void *opaque, const bb_scene *scene, char *text, size_
     (void)scene;
     const lobvh *self = opaque;
     const bb_axis_order *order = &self->order;
-    int used =
-        snprintf(text, capacity, "octree of %u levels%s, %u dense nodes in %llu bytes",
-                 self->levels, self->levels_given > 0 ? "" : " (auto)",
-                 nodes_above(self->levels + 1), (unsigned long long)dense_bytes(self->levels));
+    int used = snprintf(text, capacity, "octree of %u levels%s, %u dense nodes in %llu bytes",
+                        self->levels, self->levels_given > 0 ? "" : " (auto)",
+                        nodes_above(self->levels + 1),
+                        (unsigned long long)dense_bytes(self, self->levels));
     if (strcmp(self->view, "none") != 0 && used > 0 && (size_t)used < capacity) {
         char axes[8] = "";
         for (int i = 0; i < 3; i++) {
@@ -399,7 +429,7 @@ static void decide(void *opaque, const bb_scene *scene, bb_decisions *decisions)
                      "the median primitive's is level %u, %u tell the centroids apart; arrays of "
                      "%llu bytes",
                      level_of_median(self, scene), scene->profile.octree_depth,
-                     (unsigned long long)dense_bytes(self->levels));
+                     (unsigned long long)dense_bytes(self, self->levels));
 }
 
 static const bb_variants variants[] = {

@@ -14,6 +14,8 @@
  * - prune=P, which section 4 suggests but does not try: leaves are cubes of 2^P bricks a side in
  *   the codes' octree, or their visible part; the tree lacks P levels of the octree.
  * - The sort only uses the bits of the codes that the volume's bricks need.
+ * - How many bricks are seen is known once they are compacted; memory is reserved before, outside
+ *   of the build's time, for all of them. room=seen takes the number from the harness.
  */
 #include "builders/common/compact.h"
 #include "builders/common/radix_tree.h"
@@ -32,6 +34,8 @@ static const bb_option options[] = {
     {"vote", "voxels", "voxels|ranges",
      "data read per brick: its voxels, or the range of their values, computed at loading"},
     {"prune", "0", "0|1|2|3|4|5", "leaves are the visible parts of cubes of 2^prune bricks a side"},
+    {"room", "all", "all|seen",
+     "memory for all bricks, or for as many as the harness knows to be seen; the tree is the same"},
     {"link", "karras", "apetrei|karras", "how nodes are linked; the tree is the same"},
     {.name = NULL},
 };
@@ -39,7 +43,7 @@ static const bb_option options[] = {
 typedef struct vlbvh {
     bb_device *device;
     bb_account *account;
-    bool by_ranges;
+    bool by_ranges, knows_seen;
     uint32_t prune;
     uint32_t bytes;        /* bytes per voxel that the kernels are compiled for; 0: not compiled */
     uint32_t bricks, seen; /* in the last build */
@@ -97,6 +101,7 @@ static bb_status create(const bb_builder_context *context, void **out)
     self->device = context->device;
     self->account = context->account;
     self->by_ranges = bb_spec_is(context->spec, options, "vote", "ranges");
+    self->knows_seen = bb_spec_is(context->spec, options, "room", "seen");
     uint64_t prune;
     BB_TRY(bb_spec_u64(context->spec, options, "prune", 0, PRUNE_MAX, &prune));
     self->prune = (uint32_t)prune;
@@ -134,7 +139,8 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
     vlbvh *self = opaque;
     const bb_volume *volume = scene->volume;
     const size_t word = sizeof(uint32_t), bricks = volume->brick_count;
-    const size_t count = scene->prim_count > 0 ? scene->prim_count : 1;
+    const size_t room = self->knows_seen ? scene->prim_count : volume->brick_count;
+    const size_t count = room > 0 ? room : 1;
     const size_t pruned = self->prune > 0 ? count : 1;
     const struct {
         size_t bytes;
@@ -176,7 +182,7 @@ static bb_status vote(vlbvh *self, const bb_scene *scene)
                      BB_VALUE(chunk), BB_MEM(there->seen), BB_MEM(self->marks));
 }
 
-/* Room is reserved for as many bricks as the harness found visible. */
+/* The harness has found the same bricks visible. */
 static bb_status compact(vlbvh *self, const bb_scene *scene, uint32_t *count)
 {
     BB_TRY(bb_compact_u32(self->compaction, &self->marks, NULL, scene->volume->brick_count,
