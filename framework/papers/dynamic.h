@@ -13,13 +13,19 @@
 #define REBUILT_SHUFFLED "G&S rebuilt, shuffled" /* in each frame */
 #define UPDATED "Dynamic G&S"
 #define UPDATED_SHUFFLED "Dynamic G&S, shuffled" /* the first tree, as in the paper */
-#define LOOSE "Loose BVH"                        /* depth 18, in the scene's box */
+/* Things that move are objects with trees of their own, where the scene says which (the kitchen):
+ * found by comparing boxes, or listed by the scene. */
+#define COLLECTIONS "Dynamic G&S, collections"
+#define LISTED "Dynamic G&S, collections, listed"
+#define LOOSE "Loose BVH"                /* depth 18, in the scene's box, in an array */
+#define LOOSE_SORTED "Loose BVH, sorted" /* the same tree, by keys, on the device */
 #define LOOSE_CUBE "Loose BVH, cubic root"
 #define LOOSE_NOW "Loose BVH, this builder's"
 #define LBVH "LBVH rebuilt"
 #define SMALL_REBUILT "LBVH rebuilt, small"
 #define SMALL_REFITTED "LBVH refitted, small"
-enum { BB_DYNAMIC_METHODS = 8, BB_DYNAMIC_SMALL_METHODS = 2 };
+enum { BB_DYNAMIC_FRAMES = 11 }; /* the paper's, where it says */
+enum { BB_DYNAMIC_METHODS = 11, BB_DYNAMIC_SMALL_METHODS = 2 };
 
 extern const bb_paper_entrant bb_dynamic_methods[]; /* note: how it builds; the small ones last */
 

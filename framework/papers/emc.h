@@ -23,6 +23,9 @@
 #define EMC_VAR64_NINE EMC_VAR64 ",size-bits=9"
 #define EMC_VAR32_ALL_SIZES EMC_VAR32 ",every=4,size-bits=8,size=linear"
 #define EMC_VAR64_AREA EMC_VAR64 ",measure=area"
+/* By look-up tables (section 4.5). */
+#define EMC_MC64_TABLES EMC_MC64 ",expand=tables"
+#define EMC_VAR64_TABLES EMC_VAR64 ",expand=tables"
 #define EMC_SWEEP "sah:method=sweep"
 #define EMC_ATRBVH_OF(code) "emc:code=" code ",box=scene+atrbvh:rounds=2"
 #define EMC_HLBVH_MC64 "hlbvh:code=mc64,box=scene"
@@ -36,7 +39,16 @@
 #define EMC_VAR_CENTRED "emc64-var,box=centroids"
 
 /* Experiments, in order. */
-enum { EMC_TRACED, EMC_BUILT, EMC_VARIED, EMC_SIZED, EMC_INSIDE, EMC_CENTRED };
+enum {
+    EMC_TRACED,
+    EMC_BUILT,
+    EMC_VARIED,
+    EMC_SIZED,
+    EMC_INSIDE,
+    EMC_CENTRED,
+    EMC_LARGE,
+    EMC_TABLED
+};
 
 /* The builders, in order. */
 enum {
@@ -61,6 +73,11 @@ extern const bb_paper_entrant bb_emc_ingredients[];
 /* Codes and the plain ones of equal length, as bases. */
 enum { EMC_EQUAL_CELL64 = 2, EMC_EQUALS = 5 };
 extern const bb_paper_entrant bb_emc_equals[EMC_EQUALS + 1];
+
+/* Codes by look-up tables; as bases, the same codes by shifts. */
+extern const bb_paper_entrant bb_emc_tabled[];
+/* Times of the codes alone, and of the build. */
+extern const bb_figure bb_emc_tabled_codes, bb_emc_tabled_build;
 
 /* Of a row's EMC-64-var over its plain code, and of its plain code over LBVH's: cost, then counted
  * work and time per ray of each kind, and the build. Means of times are geometric. */
@@ -88,6 +105,9 @@ extern const bb_figure bb_emc_flatness, bb_emc_spread;
 
 /* Below this, two costs, or two works, are the same. */
 #define EMC_SAME 0.0005
+
+/* Our scenes, and the paper's for which they stand. */
+extern const bb_paper_column bb_emc_scenes[];
 
 extern const bb_paper_table bb_emc_tables[];
 /* On LBVH, and on other builders. */

@@ -87,6 +87,15 @@ static const bb_paper_column lbvh_speeds[] =
 static const bb_paper_column lbvh_builds[] =
     LBVH_COLUMNS(LBVH_BUILD, "MC-64 ms", &mc64_build, .what = "build_ms", .of = EMC_BUILT);
 
+/* On a scene of the size of the paper's. */
+static const bb_figure large_cost = {.what = "sah", .builder = EMC_MC64},
+                       large_build = {.what = "build_ms", .builder = EMC_MC64};
+static const bb_paper_column large_costs[] = LBVH_COLUMNS(0, "MC-64", &large_cost, .what = "sah"),
+                             large_speeds[] = LBVH_COLUMNS(0, "MC-64 Mrays/s", &mc64_speed,
+                                                           .what = "trace_ms", .inverse = true),
+                             large_builds[] =
+                                 LBVH_COLUMNS(0, "MC-64 ms", &large_build, .what = "build_ms");
+
 /* ---- ATRBVH ---- */
 
 static void say_missing_atrbvh(bb_paper_place at, const bb_figure *figure, bb_words *words)
@@ -175,6 +184,14 @@ static const bb_paper_column build_ratios[] = {
     {.heading = NULL},
 };
 
+static const bb_paper_column tabled[] = {
+    SCENE,
+    {.heading = "code", .shown = BB_SHOW_BUILDER},
+    {.heading = "codes", .figure = &bb_emc_tabled_codes, .decimals = 2},
+    BB_COLUMN_INTERVAL("build", &bb_emc_tabled_build),
+    {.heading = NULL},
+};
+
 #define RATE(heading_, builder_)                                                                   \
     BB_COLUMN_AS(heading_, 2, .what = "prims", .per = "build_ms", .scale = 1e-3,                   \
                  .builder = builder_)
@@ -244,64 +261,6 @@ static const bb_paper_column ingredients[] = {
     {.heading = "", .shown = BB_SHOW_SCENES, .decimals = 3},
     {.heading = "average", .decimals = 3},
     {.heading = "paper", .shown = BB_SHOW_NOTE},
-    {.heading = NULL},
-};
-
-/* ---- which scene stands in for which ---- */
-
-/* By a scene's name without parameters, or its file's without folder and ending. The paper's are
- * not shipped, and the text that was at hand says little of their shapes: its table 1, the
- * properties of the scenes, is illegible. */
-static const struct {
-    const char *name, *theirs, *alike;
-} stand_ins[] = {
-    /* The first 12 splits of Pompeii's code are along x and z (section 5.1). The longer of them, of
-     * length L, gets k >= 6 of these, the last one while its cells, L / 2^(k - 1) long, are no
-     * shorter than y. So y <= L / 32. */
-    {"city", "pompeii, city",
-     "flat (pompeii: height at most 1/32 of its length, derived from section 5.1), large ground"},
-    {"interior", "conference, sodahall", "a closed room, few huge triangles beside small ones"},
-    {"kitchen", "conference, sponza", "a furnished room, modelled by hand"},
-    {"bathroom2", "conference, sponza", "a furnished room, modelled by hand"},
-    {"hairball", "hairball", "thin triangles of one length in all directions"},
-    {"terrain", "none", "flat like pompeii and city, but with triangles of one size"},
-    {"mountain", "none", "a scanned height field, finely tessellated"},
-    {"coffee", "none", "an object in fine triangles on a large ground"},
-    {"scorpion", "none", "an object; theirs are buildings, but for hairball"},
-    {NULL, "unknown", ""},
-};
-
-static size_t find_stand_in(const char *scene)
-{
-    const char *slash = strrchr(scene, '/');
-    const char *name = slash != NULL ? slash + 1 : scene;
-    const size_t length = strcspn(name, ":.");
-    size_t i = 0;
-    while (stand_ins[i].name != NULL &&
-           (strlen(stand_ins[i].name) != length || strncmp(stand_ins[i].name, name, length) != 0))
-        i++;
-    return i;
-}
-
-static void say_theirs(bb_paper_place at, const bb_figure *figure, bb_words *words)
-{
-    (void)figure;
-    bb_say(words, "%s", stand_ins[find_stand_in(at.scene)].theirs);
-}
-
-static void say_alike(bb_paper_place at, const bb_figure *figure, bb_words *words)
-{
-    (void)figure;
-    bb_say(words, "%s", stand_ins[find_stand_in(at.scene)].alike);
-}
-
-static const bb_paper_column scenes[] = {
-    SCENE,
-    PRIMITIVES,
-    FLATNESS,
-    {.heading = "largest / median", .figure = &bb_emc_spread, .decimals = 1},
-    {.heading = "stands in for", .shown = BB_SHOW_WORDS, .words = say_theirs},
-    {.heading = "alike in", .shown = BB_SHOW_WORDS, .words = say_alike},
     {.heading = NULL},
 };
 
@@ -399,6 +358,7 @@ static const bb_paper_column timed[] = {
 #define OF_TABLE2(columns_, experiment)                                                            \
     .columns = columns_, .by_scene = true, .of = experiment, .average = "average (here)",          \
     .paper = table2, .paper_average = &table2_average
+#define OF_LARGE(columns_) .columns = columns_, .by_scene = true, .of = EMC_LARGE
 #define OF_METHODS(columns_) .columns = columns_, .rows = bb_emc_methods, .of = EMC_INSIDE
 #define INSIDE "EMC-64-var inside builders: "
 #define OF_RAYS(what_, first, columns_, k, kind, after)                                            \
@@ -427,6 +387,23 @@ const bb_paper_table bb_emc_tables[] = {
      .of = EMC_BUILT,
      .rows_first = true,
      .average = "all scenes (geometric)"},
+    {.title = "Time of the codes, and of the build, by look-up tables of 8 bits (section 4.5) as a "
+              "ratio to those by shifts: the codes are the same",
+     .columns = tabled,
+     .rows = bb_emc_tabled,
+     .by_scene = true,
+     .of = EMC_TABLED,
+     .rows_first = true,
+     .average = "all scenes"},
+    {.title = "LBVH on a large scene, cost (SAH): of MC-64, and ratios to it (paper's city, of 8.7 "
+              "million triangles: EMC-64-sort 0.83, EMC-64-var 0.48)",
+     OF_LARGE(large_costs)},
+    {.title = "LBVH on a large scene, trace performance of diffuse rays: Mrays/s of MC-64, and "
+              "ratios (paper's city: 1.18, 2.01)",
+     OF_LARGE(large_speeds)},
+    {.title = "LBVH on a large scene, build time: ms of MC-64, and ratios to it (paper's city: "
+              "0.98, 0.99)",
+     OF_LARGE(large_builds)},
     {.title = "Influence of each ingredient (section 5.3, and beyond): cost as a ratio to MC-64. "
               "Best code on average: ",
      .title_words = say_best,
@@ -439,9 +416,9 @@ const bb_paper_table bb_emc_tables[] = {
      .by_scene = true,
      .of = EMC_SIZED},
     {.title = "Scenes of the tables that follow, and the paper's for which they stand. Nothing "
-              "here is like san-miguel or powerplant, nor as large; flatness: shortest over "
+              "here is like san-miguel or powerplant; flatness: shortest over "
               "longest side",
-     .columns = scenes,
+     .columns = bb_emc_scenes,
      .by_scene = true,
      .of = EMC_INSIDE},
     {.title = "ATRBVH (over LBVH), cost (SAH): of MC-64, and ratios to it; absolute costs of "

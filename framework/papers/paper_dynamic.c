@@ -21,7 +21,6 @@
 #include <string.h>
 
 enum {
-    FRAMES = 11, /* the paper's, where it says */
     BOUNCES = 65536,
     SMALLER = 8, /* sides of pictures for refitted trees */
     QUICK_FRAMES = 4,
@@ -38,7 +37,10 @@ const bb_paper_entrant bb_dynamic_methods[] = {
     {METHOD(REBUILT_SHUFFLED, GS ",update=rebuild,order=shuffled")},
     {METHOD(UPDATED, GS ",order=file")},
     {METHOD(UPDATED_SHUFFLED, GS ",order=shuffled")},
-    {METHOD(LOOSE, LOOSE_OF_PAPER ",root=box")},
+    {METHOD(COLLECTIONS, GS ",order=file,objects=collections")},
+    {METHOD(LISTED, GS ",order=file,objects=collections,moved=listed")},
+    {METHOD(LOOSE, "loose-bvh-array")},
+    {METHOD(LOOSE_SORTED, LOOSE_OF_PAPER ",root=box")},
     {METHOD(LOOSE_CUBE, LOOSE_OF_PAPER ",root=cube")},
     {METHOD(LOOSE_NOW, "loose-bvh")},
     {METHOD(LBVH, "lbvh")},
@@ -59,7 +61,7 @@ const bb_dynamic_about bb_dynamic_scenes[BB_DYNAMIC_SCENES] = {
 static void name_scene(const bb_reproduce_request *request, bb_dynamic_scene scene, char *out,
                        size_t capacity)
 {
-    const uint32_t frames = request->quick ? QUICK_FRAMES : FRAMES;
+    const uint32_t frames = request->quick ? QUICK_FRAMES : BB_DYNAMIC_FRAMES;
     const uint64_t asked = bb_dynamic_scenes[scene].prims;
     const uint64_t prims = asked < request->max_prims ? asked : request->max_prims;
     char room[512];
@@ -236,6 +238,33 @@ static void add_method(bb_table *table, uint32_t row, const bb_animate_result *r
     bb_table_set_rounds(table, row, &unevenness, &uneven);
 }
 
+/* Figure 7: update and tracing frame by frame, as views of the scene. */
+static void add_frames(bb_table *table, bb_cell cell, const bb_animate_result *result,
+                       const bb_animate_method *method)
+{
+    static const bb_column update = BB_FOUND_ROUNDS("frame_update_ms", "Update of a frame."),
+                           trace = BB_FOUND_ROUNDS("frame_trace_ms", "Tracing of a frame.");
+    for (uint32_t f = 1; f < method->done; f++) {
+        const bb_animate_frame *frame = &method->frames[f];
+        bb_samples updates = {.count = 0}, traces = {.count = 0};
+        char name[32];
+        for (uint32_t r = 0; r <= result->rounds; r++) {
+            double ms = 0;
+            for (uint32_t k = 0; k < result->ray_count; k++)
+                ms += frame->traces[0].rays[k][r];
+            bb_samples_add(&updates, frame->update[r]);
+            bb_samples_add(&traces, ms);
+        }
+        snprintf(name, sizeof name, "frame %u", result->states[f].frame);
+        cell.names[BB_FRAME] = name;
+        (void)bb_table_row(table,
+                           (bb_cell){{[BB_SCENE] = cell.names[BB_SCENE], [BB_FRAME] = name}});
+        const uint32_t row = bb_table_row(table, cell);
+        bb_table_set_rounds(table, row, &update, &updates);
+        bb_table_set_rounds(table, row, &trace, &traces);
+    }
+}
+
 static void add_scene(bb_table *table, uint32_t row, const bb_animate_result *result,
                       uint32_t width, uint32_t height)
 {
@@ -266,6 +295,8 @@ void bb_dynamic_add(bb_table *table, bb_dynamic_scene at, const bb_animate_resul
     for (uint32_t m = 0; m < result->method_count; m++) {
         cell.names[BB_BUILDER] = bb_dynamic_methods[first + m].name;
         add_method(table, bb_table_row(table, cell), result, &result->methods[m]);
+        if (first == 0)
+            add_frames(table, cell, result, &result->methods[m]);
     }
 }
 
@@ -274,7 +305,7 @@ const bb_paper bb_paper_dynamic = {
     .name = "dynamic",
     .title = "Eisemann, Grosch, Mueller, Magnor 2007: Automatic Creation of Object Hierarchies for "
              "Ray Tracing of Dynamic Scenes",
-    .builders = "gs,loose-bvh,lbvh,lbvh+refit",
+    .builders = "gs,loose-bvh,loose-bvh-array,lbvh,lbvh+refit",
     .measure = measure,
     .tables = bb_dynamic_tables,
     .claims = {bb_dynamic_claims},

@@ -5,7 +5,8 @@
  * ingredient (section 5.3) and other builders (section 5.4), as ratios to the plain code of 63 bits
  * on the same builder; then builders of which nobody has published it: the paper has ATRBVH (table
  * 2), and of HLBVH and AAC mean costs. The cost's constants are the paper's. With LBVH, codes are
- * compared on the builder `emc`: nothing but the code differs.
+ * compared on the builder `emc`: nothing but the code differs. Codes are also
+ * computed by look-up tables (section 4.5), and compared on a scene of the size of the paper's.
  */
 #include "framework/papers/emc.h"
 
@@ -66,6 +67,12 @@ const bb_paper_entrant bb_emc_equals[EMC_EQUALS + 1] = {
     {.name = NULL},
 };
 
+const bb_paper_entrant bb_emc_tabled[] = {
+    {EQUAL(EMC_MC64_TABLES, EMC_MC64)},
+    {EQUAL(EMC_VAR64_TABLES, EMC_VAR64)},
+    {.name = NULL},
+};
+
 /* ---- figures ---- */
 
 const char *const bb_emc_rays[EMC_KINDS] = {"primary", "diffuse", "shadow", "random"};
@@ -106,6 +113,8 @@ const bb_figure bb_emc_centred = {.what = "sah",
                                          .builder = "$" EMC_VAR,
                                          .base = EMC_SWEEP,
                                          .base_of = 1},
+                bb_emc_tabled_codes = {.what = "phase_ms", .phase = "codes", .base = "="},
+                bb_emc_tabled_build = {.what = "build_ms", .base = "=", .mean = BB_MEAN_GEOMETRIC},
                 bb_emc_build_ratio = {.what = "build_ms", .base = "=", .mean = BB_MEAN_GEOMETRIC},
                 bb_emc_flatness = {.what = "flatness"},
                 bb_emc_spread = {.what = "size_max", .per = "size_median"};
@@ -164,6 +173,24 @@ static const bb_experiment experiments[] = {
                      BUILDS_ALONE,
                      ON_SMALLER,
                      .repeats = 1}, /* its costs alone */
+    /* Of the paper's scenes, four have more than five million triangles. */
+    [EMC_LARGE] = {.name = "a large scene",
+                   .builders = CODES,
+                   .kernels = "stack",
+                   .rays = "diffuse",
+                   .scenes = "city:n=6000000",
+                   .quick_scenes = "city:n=20000",
+                   .width = 512,
+                   .height = 512,
+                   .max_rays = 1 << 17,
+                   .max_views = 2,
+                   .repeats = BB_INTERVAL_ROUNDS},
+    [EMC_TABLED] = {.name = "codes by look-up tables",
+                    .builders = EMC_MC64 "," EMC_VAR64,
+                    .entrants = bb_emc_tabled,
+                    BUILDS_ALONE,
+                    ON_SCENES,
+                    .repeats = 9},
     {.name = NULL},
 };
 

@@ -6,10 +6,10 @@
  * the size that a box's level is taken from (section 3.1), and the order by the view's direction
  * (section 3.4). The figures' bars have no numbers in the text: of the paper there are its words,
  * and their ratios where it gives some. As there, codes have 30 bits, all root cells are the same
- * cube, LLBVH's leaves have all primitives of a node, LOBVH keeps nodes with a single child, is
- * ordered by the view that is traced, and is traced without a stack, the binary trees with one.
- * What our defaults gain over that has rows of its own. The frame has 1024x768 pixels, from each
- * scene's first view.
+ * cube, LLBVH's leaves have all primitives of a node, LOBVH keeps four arrays of all nodes and
+ * nodes with a single child, is ordered by the view that is traced, and is traced without a stack,
+ * the binary trees with one. What our defaults gain over that has rows of its own. The frame has
+ * 1024x768 pixels, from each scene's first view.
  */
 #include "framework/papers/loose_octree.h"
 
@@ -35,10 +35,10 @@
     }
 
 static const bb_paper_entrant rivals[] = {
-    BOTH_KERNELS(LBVH30),     BOTH_KERNELS(LLBVH30),       BOTH_KERNELS(LLBVH30_SINGLE),
-    BOTH_KERNELS(LLBVH30_64), BOTH_KERNELS(LOBVH("6")),    BOTH_KERNELS(LOBVH("7")),
-    BOTH_KERNELS(LOBVH("8")), BOTH_KERNELS(LOBVH("auto")), BOTH_KERNELS(LOBVH_SKIPPING),
-    {.name = NULL},
+    BOTH_KERNELS(LBVH30),         BOTH_KERNELS(LLBVH30),    BOTH_KERNELS(LLBVH30_LINKED),
+    BOTH_KERNELS(LLBVH30_SINGLE), BOTH_KERNELS(LLBVH30_64), BOTH_KERNELS(LOBVH("6")),
+    BOTH_KERNELS(LOBVH("7")),     BOTH_KERNELS(LOBVH("8")), BOTH_KERNELS(LOBVH_AUTO),
+    BOTH_KERNELS(LOBVH_SKIPPING), {.name = NULL},
 };
 
 const bb_paper_entrant bb_box_sizes[] = {
@@ -122,7 +122,7 @@ static const bb_figure lbvh_ms = {.what = FRAME, .builder = LBVH30, .kernel = ST
                        to_lbvh = {OVER_LBVH(NULL, NULL)},
                        llbvh_to_lbvh = {OVER_LBVH(LLBVH30, STACK)},
                        best_to_lbvh = {OVER_LBVH(LOBVH_BEST, STACKLESS)},
-                       auto_to_lbvh = {OVER_LBVH(LOBVH("auto"), STACKLESS)};
+                       auto_to_lbvh = {OVER_LBVH(LOBVH_AUTO, STACKLESS)};
 
 /* Rays per second with the order of the view that is traced, over those without one. */
 const bb_figure bb_order_factor = {.what = "trace_ms",

@@ -5,17 +5,26 @@
  * figure 4), by the size of the volume. Of table 1 there are no numbers in the text that we have:
  * of the paper there are its words. As there, an n-body density or a volume that is given, seen in
  * parallel projection, turned full circle about each axis; here in fewer steps than 180, smaller
- * pictures than 2160 x 2160, and sizes from 64 on.
+ * pictures than 2160 x 2160, and sizes from 64 to 1024; 2048 with --max-prims 5000000, if memory is
+ * predicted to suffice. Beside it: memory with the number of visible bricks known in advance,
+ * pruned trees, which the paper suggests, and a tree for each of several transfer functions in
+ * turn.
  */
+#include "framework/base/memory.h"
 #include "framework/papers/reproduce.h"
 #include "framework/tasks/dvr.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { SIZES_MAX = 8, BRICK = 8, PAPER_SIDE = 2160 }; /* the last: the paper's */
-enum { OF_SIZES, FULL }; /* some volumes; one of them with nothing to skip */
+enum { SIDE_LEAST = 64, SIZES_MAX = 6, BRICK = 8, PAPER_SIDE = 2160 }; /* the last: the paper's */
+enum { SEEN_PART = 4 }; /* of the bricks, about one in so many is visible: a primitive */
+/* Some volumes; one of them with nothing to skip; the same with each transfer function. */
+enum { OF_SIZES, FULL, IN_TURN };
 #define VOLUME_BUILDER "vlbvh"
+#define KNOWING "vlbvh:room=seen"
+#define PRUNED_1 "vlbvh:prune=1"
+#define PRUNED_2 "vlbvh:prune=2"
 #define NO_TREE "no tree"
 
 /* ---- measuring ---- */
@@ -25,21 +34,29 @@ static const bb_column cubes = BB_FOUND_NUMBER("cubes", "Voxels."),
                        width = BB_FOUND_NUMBER("picture_width", "Pixels of a picture."),
                        height = BB_FOUND_NUMBER("picture_height", "Likewise."),
                        turns = BB_FOUND_NUMBER("turns", "Pictures about each axis."),
+                       left_out = BB_FOUND_TEXT("left_out", "Volumes for which memory is short."),
                        frame = BB_FOUND_ROUNDS("frame_ms", "Build, layout and picture.");
 
-/* Those of the whole frame, and of the vote, of each way. */
-static void add_sums(bb_table *table, const char *scene)
+/* The vote over all phases of a builder's build. */
+static double share_of_vote(const bb_table *table, const char *scene, const char *builder)
 {
-    const uint32_t count = bb_table_row_count(table);
     double vote = NAN, sum = 0;
-    for (uint32_t row = 0; row < count; row++) {
+    for (uint32_t row = 0; row < bb_table_row_count(table); row++) {
         const double ms = bb_table_get_number(table, row, "phase_ms");
-        if (strcmp(bb_table_name(table, row, BB_SCENE), scene) != 0 || !isfinite(ms))
+        if (strcmp(bb_table_name(table, row, BB_SCENE), scene) != 0 ||
+            strcmp(bb_table_name(table, row, BB_BUILDER), builder) != 0 || !isfinite(ms))
             continue;
         vote = strcmp(bb_table_name(table, row, BB_MAKER), "vote") == 0 ? ms : vote;
         sum += ms;
     }
-    for (uint32_t row = 0; row < count; row++) {
+    return vote / sum;
+}
+
+/* Those of the whole frame, and of the vote, of each way. */
+static void add_sums(bb_table *table, const char *scene)
+{
+    for (uint32_t row = 0; row < bb_table_row_count(table); row++) {
+        const char *builder = bb_table_name(table, row, BB_BUILDER);
         static const char *const parts[] = {"answer_ms", "build_ms", "layout_ms"};
         bb_samples all = {.count = 0};
         if (strcmp(bb_table_name(table, row, BB_SCENE), scene) != 0 ||
@@ -51,15 +68,16 @@ static void add_sums(bb_table *table, const char *scene)
                 bb_add_rounds(&all, more);
         }
         bb_table_set_rounds(table, row, &frame, &all);
-        if (bb_table_name(table, row, BB_BUILDER)[0] != '\0')
-            bb_table_set_number(table, row, &share, vote / sum);
+        if (builder[0] != '\0')
+            bb_table_set_number(table, row, &share, share_of_vote(table, scene, builder));
     }
 }
 
 static bb_status measure_scene(const bb_reproduce_request *request, const char *name,
                                bb_scene *scene, bb_findings *f, bool *wrong)
 {
-    static const char *const builders[] = {VOLUME_BUILDER}, *const kernels[] = {"stack", "stack8"};
+    static const char *const builders[] = {VOLUME_BUILDER, KNOWING, PRUNED_1, PRUNED_2};
+    static const char *const kernels[] = {"stack", "stack8"};
     const uint32_t side = request->quick ? 16 : request->full_size ? PAPER_SIDE : 192;
     bb_dvr_request dvr = {
         .contest = bb_paper_contest(request, name),
@@ -69,12 +87,9 @@ static bb_status measure_scene(const bb_reproduce_request *request, const char *
         .step = 0.5,
     };
     dvr.contest.builders = builders;
-    dvr.contest.builder_count = 1;
+    dvr.contest.builder_count = sizeof builders / sizeof builders[0];
     dvr.contest.searches = kernels;
     dvr.contest.search_count = 2;
-    if (scene->volume == NULL)
-        return bb_fail(BB_INVALID, "reproduce volume: --scene %s is no volume", name);
-    BB_TRY(bb_scene_upload(scene, request->device));
     const bb_status status = bb_dvr_run(&dvr, scene, f->table);
     const uint32_t row = bb_table_row(f->table, (bb_cell){{[BB_SCENE] = name}});
     double voxels = 1;
@@ -90,12 +105,25 @@ static bb_status measure_scene(const bb_reproduce_request *request, const char *
     return status;
 }
 
+/* A volume, on the device. */
+static bb_status load(const bb_reproduce_request *request, const char *name, bb_scene **scene)
+{
+    BB_TRY(bb_scene_load_any(name, scene));
+    const bb_status status =
+        (*scene)->volume == NULL
+            ? bb_fail(BB_INVALID, "reproduce volume: --scene %s is no volume", name)
+            : bb_scene_upload(*scene, request->device);
+    if (status != BB_OK)
+        bb_scene_free(*scene);
+    return status;
+}
+
 static bb_status picture(const bb_reproduce_request *request, const char *name, bb_findings *f,
                          bool *wrong)
 {
     bb_scene *scene;
     BB_TRY(bb_paper_add_scene(f, name));
-    BB_TRY(bb_scene_load_any(name, &scene));
+    BB_TRY(load(request, name, &scene));
     const bb_status status = measure_scene(request, name, scene, f, wrong);
     bb_scene_free(scene);
     return status;
@@ -110,24 +138,80 @@ static bb_status picture_of_all(const bb_reproduce_request *request, const char 
     return picture(request, full, f, wrong);
 }
 
-static bb_status measure(const bb_reproduce_request *request, bb_findings *f, bool *wrong)
+/* A tree and a picture for each transfer function there is. */
+static bb_status picture_in_turn(const bb_reproduce_request *request, const char *name,
+                                 bb_findings *f, bool *wrong)
 {
-    uint64_t side = request->quick ? 24 : 64, full = side;
+    bb_scene *scene;
+    BB_TRY(load(request, name, &scene));
+    bb_status status = BB_OK;
+    for (const bb_transfer_preset *preset = bb_transfer_presets;
+         preset->name != NULL && status == BB_OK; preset++) {
+        bb_transfer transfer;
+        char title[1024];
+        uint32_t changed;
+        snprintf(title, sizeof title, "%s, %s", name, preset->name);
+        status = bb_transfer_load(preset->name, &transfer);
+        if (status == BB_OK)
+            status = bb_scene_set_transfer(scene, &transfer, &changed);
+        if (status == BB_OK)
+            status = bb_paper_add_scene(f, title);
+        if (status == BB_OK)
+            status = measure_scene(request, title, scene, f, wrong);
+    }
+    bb_scene_free(scene);
+    return status;
+}
+
+/* Bytes that a volume of so many voxels of a byte takes while it is compared: its bricks with the
+ * layer that they share, on the host, on the device, and there once more to be copied. */
+static double predicted_bytes(double side)
+{
+    const double overlap = (double)(BRICK + 1) / BRICK;
+    return 3 * side * side * side * overlap * overlap * overlap;
+}
+
+static bb_status measure_sizes(const bb_reproduce_request *request, bb_findings *f, char full[64],
+                               bool *wrong)
+{
     char name[64];
-    for (uint32_t i = 0; i < request->scene_count; i++)
-        BB_TRY(picture(request, request->scenes[i], &f[OF_SIZES], wrong));
-    if (request->scene_count > 0)
-        return picture_of_all(request, request->scenes[0], &f[FULL], wrong);
-    for (uint32_t count = 0; count < (request->quick ? 2 : SIZES_MAX); count++, side *= 2) {
+    for (uint64_t side = request->quick ? 24 : SIDE_LEAST, count = 0;
+         count < (request->quick ? 2 : SIZES_MAX); count++, side *= 2) {
         const uint64_t bricks = side / BRICK * (side / BRICK) * (side / BRICK);
-        if (bricks > request->max_prims)
+        if (bricks / SEEN_PART > request->max_prims)
             break;
         snprintf(name, sizeof name, "nbody:n=%u", (uint32_t)side);
-        BB_TRY(picture(request, name, &f[OF_SIZES], wrong));
-        full = count < 3 ? side : full; /* a full volume takes long */
+        if (predicted_bytes((double)side) > (double)bb_host_limit()) {
+            char text[160];
+            if (f->scene_count == 0)
+                return bb_fail(BB_REFUSED, "reproduce volume: no memory for %s", name);
+            snprintf(text, sizeof text, "%s would take %.1f GiB, of which %.1f are there", name,
+                     predicted_bytes((double)side) / (1 << 30),
+                     (double)bb_host_limit() / (1 << 30));
+            bb_table_set_text(f->table,
+                              bb_table_row(f->table, (bb_cell){{[BB_SCENE] = f->scenes[0]}}),
+                              &left_out, text);
+            break;
+        }
+        BB_TRY(picture(request, name, f, wrong));
+        if (count < 3) /* a full volume takes long */
+            snprintf(full, 64, "%s", name);
     }
-    snprintf(name, sizeof name, "nbody:n=%u", (uint32_t)full);
-    return picture_of_all(request, name, &f[FULL], wrong);
+    return BB_OK;
+}
+
+static bb_status measure(const bb_reproduce_request *request, bb_findings *f, bool *wrong)
+{
+    char smaller[64] = "";
+    const char *name = request->scene_count > 0 ? request->scenes[0] : smaller;
+    for (uint32_t i = 0; i < request->scene_count; i++)
+        BB_TRY(picture(request, request->scenes[i], &f[OF_SIZES], wrong));
+    if (request->scene_count == 0)
+        BB_TRY(measure_sizes(request, &f[OF_SIZES], smaller, wrong));
+    if (name[0] == '\0')
+        return bb_fail(BB_INVALID, "reproduce volume: --max-prims leaves no volume");
+    BB_TRY(picture_of_all(request, name, &f[FULL], wrong));
+    return picture_in_turn(request, name, &f[IN_TURN], wrong);
 }
 
 /* ---- figures: by stack ---- */
@@ -181,6 +265,17 @@ static const bb_figure vote = {VOTE},
                        samples = {.what = "tests_per_item", BY_STACK},
                        all_samples = {.what = "tests_per_item", .builder = "", .kernel = NO_TREE},
                        seen_bricks = {.what = "bricks_seen_percent"};
+/* What the paper says of build and picture, and suggests of leaves. */
+#define BUILD_OVER_PICTURE .what = "build_ms", .per = "answer_ms", BY_STACK
+#define OVER_WHOLE(builder_)                                                                       \
+    {                                                                                              \
+        .what = "answer_ms", .builder = builder_, .kernel = "stack", .base = VOLUME_BUILDER        \
+    }
+static const bb_figure build_share = {BUILD_OVER_PICTURE},
+                       build_growth = {BUILD_OVER_PICTURE, .previous = true, .only = is_later},
+                       largest_share = {BUILD_OVER_PICTURE, .only = is_largest},
+                       pruned_1 = OVER_WHOLE(PRUNED_1), pruned_2 = OVER_WHOLE(PRUNED_2),
+                       largest_ms = {.what = "frame_ms", BY_STACK, .only = is_largest};
 
 /* ---- tables ---- */
 
@@ -196,6 +291,20 @@ static const bb_paper_column phases[] = {
     PHASE("link"),
     BB_COLUMN_AS("vote, share", 3, .what = "vote_share", BY_STACK),
     BB_COLUMN_AS("ns/voxel", 3, .what = "build_ms", .per = "cubes", .scale = 1e6, BY_STACK),
+    {.heading = NULL},
+};
+
+#define MIB(heading_, what_)                                                                       \
+    BB_COLUMN_AS(heading_, 2, .what = what_, .scale = 1.0 / (1 << 20), .kernel = "stack")
+static const bb_figure build_to_whole = {
+    .what = "build_ms", .kernel = "stack", .base = VOLUME_BUILDER};
+static const bb_paper_column rooms[] = {
+    BB_COLUMN_OF("volume", BB_SHOW_SCENE),
+    BB_COLUMN_OF("builder", BB_SHOW_BUILDER),
+    BB_COLUMN_AS("bricks seen, %", 1, .what = "bricks_seen_percent", .builder = ""),
+    MIB("most memory MiB", "bytes"),
+    MIB("tree MiB", "tree_bytes"),
+    BB_COLUMN_INTERVAL("build", &build_to_whole),
     {.heading = NULL},
 };
 
@@ -218,6 +327,13 @@ static const bb_paper_entrant ways[] = {
     {WAY(NO_TREE, "")},
     {WAY("stack", VOLUME_BUILDER)},
     {WAY("stack8", VOLUME_BUILDER)},
+    {.name = "stack, prune=1", .builder = PRUNED_1, .kernel = "stack"},
+    {.name = "stack, prune=2", .builder = PRUNED_2, .kernel = "stack"},
+    {.name = NULL},
+};
+static const bb_paper_entrant known[] = {
+    {WAY("stack", VOLUME_BUILDER)},
+    {WAY("stack", KNOWING)},
     {.name = NULL},
 };
 
@@ -228,6 +344,8 @@ static void say_sizes(bb_paper_place at, bb_words *title)
            bb_find(at.all, &first, "picture_width").number,
            bb_find(at.all, &first, "picture_height").number,
            bb_find(at.all, &first, "turns").number, PAPER_SIDE, PAPER_SIDE);
+    const char *missing = bb_found_text(at.all, first.names[BB_SCENE], NULL, "left_out");
+    bb_say(title, "%s%s", missing[0] != '\0' ? "; " : "", missing);
 }
 
 static const bb_paper_table tables[] = {
@@ -239,6 +357,16 @@ static const bb_paper_table tables[] = {
      .by_scene = true,
      .title_words = say_sizes},
     {.title = "", .columns = frames, .rows = ways, .by_scene = true, .of = FULL},
+    {.title = "The same volume, a tree and pictures for each transfer function in turn",
+     .columns = frames,
+     .rows = ways,
+     .by_scene = true,
+     .of = IN_TURN},
+    {.title = "Memory: reserved for all bricks, since the number of those that are seen comes out "
+              "of the build; and for these alone",
+     .columns = rooms,
+     .rows = known,
+     .by_scene = true},
     {.title = NULL},
 };
 
@@ -273,6 +401,28 @@ static const bb_paper_claim claims[] = {
      .tests = {BB_TEST_EACH(1, BB_BELOW, 1)},
      .scenes = 3,
      .ours = {{.each = true, .first = "picture, ratio at ", .text = "{scene}: {0}"}}},
+    {.text = "The larger the volume, the more the build counts beside the picture, and at last it "
+             "dominates",
+     .paper = "section 4, figure 4: at 2048^3 it takes longer than the picture",
+     .figures = {&build_share, &build_growth, &largest_share},
+     .tests = {BB_TEST_EACH(1, BB_ABOVE, 1), BB_TEST_EACH(2, BB_ABOVE, 1)},
+     .scenes = 3,
+     .ours = {{.each = true, .first = "build over picture at ", .text = "{scene}: {0}"}}},
+    {.text = "A tree and a picture fit into the time of a frame (here: at the largest volume)",
+     .paper = "30 to 35 ms for 1024^3",
+     .figures = {&largest_ms},
+     .tests = {{.over = BB_EACH, .side = BB_AT_MOST, .claimed = 35}},
+     .ours = {{.each = true, .text = "{scene}: {0} ms"}}},
+    {.text =
+         "Pruning the tree makes up for some of the time that it costs where nothing is skipped",
+     .paper = "section 4 expects it, without figures",
+     .of = FULL,
+     .figures = {&pruned_1, &pruned_2},
+     .tests = {BB_TEST_EACH(0, BB_BELOW, 1), BB_TEST_EACH(1, BB_BELOW, 1)},
+     .ours = {{.each = true,
+               .first = "picture by leaves of 16^3 and 32^3 cells over those of 8^3: ",
+               .before = ", ",
+               .text = "{scene}: {0}, {1}"}}},
     {.text = "With no empty space at all, the picture by the tree is slower than without one",
      .paper = "section 4",
      .of = FULL,

@@ -171,6 +171,8 @@ static void add_views(const filling *t, bb_paper_place at)
 {
     for (int v = 0; v < t->table->views || v == 0; v++) {
         at.view = t->table->views > 0 ? v : -1;
+        if (v > 0 && at.scene != NULL && bb_view_name(t->f, at.scene, v)[0] == '\0')
+            return; /* it has fewer */
         add_row(t, at);
     }
 }
