@@ -260,10 +260,13 @@ static void the_papers_arrays_are_booked(void **state)
     set_box(&box, (const double[]){0, 0, 0}, (const double[]){1, 1, 1});
     bb_scene scene = scene_of(&box, 1);
     assert_int_equal(upload_boxes(&scene, devices[0]), BB_OK);
+    const uint64_t global = devices[0]->global_bytes;
+    devices[0]->global_bytes = devices[0]->bytes + 1000000000;
     assert_int_equal(bb_instance_create(devices[0], "lobvh:levels=10,chains=keep,octree=arrays",
                                         &scene, 1, &instance),
                      BB_OK);
     assert_int_equal(bb_instance_build(&instance, &scene, false, NULL), BB_REFUSED);
+    devices[0]->global_bytes = global;
     assert_non_null(strstr(bb_message(), "1227133513 nodes"));
     bb_instance_destroy(&instance);
     bb_buffer_release(&scene.on_device.boxes);

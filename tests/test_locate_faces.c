@@ -74,6 +74,18 @@ static void each_face_is_there_once(void **state)
     }
 }
 
+/* No tetrahedron before it has the same corners. */
+static void expect_lowest(const bb_scene *mesh, uint32_t tet)
+{
+    for (uint32_t before = 0; tet != BB_NONE && before < tet; before++) {
+        uint32_t shared = 0;
+        for (int a = 0; a < 4; a++)
+            for (int b = 0; b < 4; b++)
+                shared += bb_scene_tet(mesh, tet)[a] == bb_scene_tet(mesh, before)[b];
+        assert_true(shared < 4);
+    }
+}
+
 /* Of copies of a tetrahedron the lowest is at the face. */
 static void twins_share_faces(void **state)
 {
@@ -84,6 +96,10 @@ static void twins_share_faces(void **state)
     check(bb_tets_faces(twice, &faces[1], &sides[1]), "twice");
     assert_true(twice->prims[BB_TETRAHEDRON].count > once->prims[BB_TETRAHEDRON].count);
     assert_int_equal(faces[0]->prim_count, faces[1]->prim_count);
+    for (uint32_t i = 0; i < faces[1]->prim_count; i++) {
+        expect_lowest(twice, sides[1][i].above);
+        expect_lowest(twice, sides[1][i].below);
+    }
     for (int i = 0; i < 2; i++) {
         bb_scene_free(faces[i]);
         bb_host_free(sides[i]);
@@ -144,6 +160,10 @@ static void faces_find_the_same(void **state)
         for (size_t r = 0; r < sizeof rivals / sizeof rivals[0]; r++) {
             const char *builder = rivals[r][0], *kernel = rivals[r][1];
             const bool embree = strcmp(builder, "faces/embree-native") == 0;
+            const bb_cell row = {
+                {[BB_SCENE] = meshes[m], [BB_BUILDER] = builder, [BB_INTERSECTOR] = kernel}};
+            if (embree && strcmp(kernel, "single") != 0 && bb_table_find(table, row) == BB_NO_ROW)
+                continue; /* the library, or the processor, lacks it */
             const double differ = number(table, meshes[m], builder, kernel, "differ");
             if (!(differ <= POINTS / 500))
                 fail_msg("%s by %s on %s: %g of %d points differ", builder, kernel, meshes[m],

@@ -395,6 +395,21 @@ static void other_options_are_refused(void **state)
     }
 }
 
+/* Sides of the least denormal, whose halves are 0: no cell is before the first. */
+static void the_least_sides_have_cells(void **state)
+{
+    (void)state;
+    bb_box boxes[2];
+    const float least = 0x1p-149f;
+    for (int i = 0; i < 2; i++) {
+        set_box(&boxes[i], (const double[]){0.5, 0.5, 0}, (const double[]){0.5, 0.5, 0});
+        boxes[i].lo[2] = boxes[i].hi[2] = (float)(i + 1) * least;
+    }
+    box_build b;
+    open_box_build(&b, devices[first_form()], "loose-bvh-array", boxes, 2, "least");
+    close_box_build(&b);
+}
+
 int main(void)
 {
     seed = seed_or(20070312);
@@ -402,6 +417,7 @@ int main(void)
     if (small && first_form() == CPU_FORM)
         forms = LEVELS_FORM;
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_least_sides_have_cells),
         cmocka_unit_test(trees_are_the_papers),
         cmocka_unit_test(large_trees_are_the_papers),
         cmocka_unit_test(keys_are_exact),

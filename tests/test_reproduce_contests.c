@@ -94,8 +94,10 @@ static void add_meshes(const double build[3], const uint64_t bytes[3], const dou
         bb_table *located = all[3].table;
         fill(located, scenes[s], (made_up){"olbvh", "olbvh", 10, 0, answer[0], 1000});
         fill(located, scenes[s], (made_up){"faces/lbvh", "stack", 10, 0, 90, 1000});
+        fill(located, scenes[s], (made_up){"faces/lbvh", "stack8", 10, 0, 85, 1000});
+        fill(located, scenes[s], (made_up){"faces/ploc", "stack", 10, 0, 82, 1000});
         fill(located, scenes[s], (made_up){"faces/ploc", "stack8", 10, 0, 80, 1000});
-        fill(located, scenes[s], (made_up){"faces/embree-native", "packet16", 0, 0, 5, 0});
+        fill(located, scenes[s], (made_up){"faces/embree-native", "packet8", 0, 0, 5, 0});
     }
     end("olbvh", all, verdicts);
 }
@@ -161,10 +163,12 @@ static void add_volumes(const volume v[4], const char *const *verdicts)
 static void sparse_volumes(void **state)
 {
     (void)state;
-    static const char *const yes[] = {"held", "held", "held", "held", "held",
-                                      "held", "held", "held", NULL};
-    static const char *const no[] = {"not held", "not held", "not held", "not held", "not held",
-                                     "not held", "not held", "not held", NULL};
+    /* of two there is nothing but for pictures and volumes of the paper's size */
+    static const char *const untold = "cannot be told: not measured here";
+    const char *const yes[] = {"held", "held", "held", "held", "held",
+                               untold, untold, "held", "held", NULL};
+    const char *const no[] = {"not held", "not held", "not held", "not held", "not held",
+                              untold,     untold,     "not held", "not held", NULL};
     static const volume good[] = {
         {1, 0.3, 80, 85, 80}, {8, 4, 60, 70, 60}, {64, 48, 30, 17, 30}, {1, 0.3, 120, 125, 110}};
     /* half as fast per voxel; the vote's share falls, and the build's; the picture gains less */

@@ -22,8 +22,7 @@
  *   - Objects are primitives, or with objects=collections what the scene says moves as one, each
  *     with a tree of its own (gs_groups.c).
  *   - Which objects have moved: all boxes are compared, since the paper's figures assume that
- *     nothing is known of movements; moved=listed takes the scene's list, in time that does not
- *     depend on what stands still.
+ *     nothing is known of movements; moved=listed takes the scene's list and compares none.
  *   - How wide a node may become. Nearly equal boxes, such as those of objects that all start at
  *     the origin, would otherwise all go to one node, and each insertion would test them all.
  *
@@ -119,6 +118,8 @@ static bb_status create(const bb_builder_context *context, void **out)
     self->collections = bb_spec_is(context->spec, options, "objects", "collections");
     self->listed = bb_spec_is(context->spec, options, "moved", "listed");
     self->tree.rules = self->groups.one.rules = rules;
+    self->groups.order = self->order;
+    self->groups.seed = self->seed;
     self->tree.groups = self->collections ? &self->groups : NULL;
     return BB_OK;
 }

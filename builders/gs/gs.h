@@ -89,6 +89,8 @@ typedef struct bb_gs_groups {
     uint32_t *first;        /* per object: its first node in the common tree; and their number */
     uint32_t *heights;      /* per object */
     uint32_t arity;
+    bb_gs_order order; /* of insertion */
+    uint64_t seed;
     bb_gs_tree one; /* for the tree of one object, and its nodes in the common format */
     bb_node *nodes;
 } bb_gs_groups;

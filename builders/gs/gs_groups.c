@@ -31,6 +31,8 @@ bb_status bb_gs_groups_reserve(bb_gs_groups *g, bb_account *account, const bb_sc
     const char *what = "gs: collections";
     const size_t count = scene->object_count;
     uint32_t largest = 1;
+    if (g->boxes != NULL && g->count == scene->object_count && g->starts == scene->object_starts)
+        return BB_OK; /* as before */
     g->count = scene->object_count;
     g->starts = scene->object_starts;
     for (uint32_t o = 0; o < g->count; o++)
@@ -63,9 +65,13 @@ static void make_one(bb_gs_groups *g, uint32_t object, const bb_scene *scene, bb
     const uint32_t first = g->starts[object], members = size_of(g, object);
     bb_tree alone = {.nodes = g->nodes};
     bb_gs_clear(&g->one, members);
+    for (uint32_t i = 0; i < members; i++)
+        g->one.scratch[i] = i;
+    bb_gs_put_in_order(&g->one, g->order, members, g->seed, object);
     for (uint32_t i = 0; i < members; i++) {
-        const bb_gs_box box = bb_gs_box_of(&scene->boxes[first + i]);
-        bb_gs_add(&g->one, i, &box);
+        const uint32_t member = g->one.scratch[i];
+        const bb_gs_box box = bb_gs_box_of(&scene->boxes[first + member]);
+        bb_gs_add(&g->one, member, &box);
     }
     bb_gs_emit(&g->one, true, &alone);
     g->heights[object] = alone.info.depth;

@@ -162,11 +162,16 @@ static uint64_t own_bytes(uint32_t levels)
     return ((uint64_t)words_of(levels) + 3) / 4 * 4;
 }
 
-/* Returns the bytes of the arrays that grow with the octree, not with the scene. */
+/* Returns the bytes of the octree in bits, and as it is kept: they grow with its depth, not with
+ * the scene. */
+static uint64_t bits_bytes(uint32_t levels)
+{
+    return (uint64_t)words_of(levels) * (8 + 4) + own_bytes(levels);
+}
+
 static uint64_t dense_bytes(const lobvh *self, uint32_t levels)
 {
-    return self->by_arrays ? bb_lobvh_dense_bytes(levels)
-                           : (uint64_t)words_of(levels) * (8 + 4) + own_bytes(levels);
+    return self->by_arrays ? bb_lobvh_dense_bytes(levels) : bits_bytes(levels);
 }
 
 static bool has_room(const lobvh *self, uint32_t levels)
@@ -205,7 +210,7 @@ static uint32_t choose_levels(const lobvh *self, const bb_scene *scene)
         levels++;
     if (scene->profile.octree_depth > 0 && scene->profile.octree_depth < levels)
         levels = scene->profile.octree_depth;
-    while (levels > 1 && dense_bytes(self, levels) > count * BINARY_TREE_BYTES)
+    while (levels > 1 && bits_bytes(levels) > count * BINARY_TREE_BYTES)
         levels--;
     return levels > 1 ? levels : 1;
 }

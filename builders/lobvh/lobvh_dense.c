@@ -1,8 +1,16 @@
 #include "builders/lobvh/lobvh_dense.h"
 
+#include "framework/base/arithmetic.h"
+
 BB_DEVICE_SOURCE(lobvh_dense);
 
-enum { GROUP_SIZE = 64, BOX_BYTES = 6 * sizeof(float), WORD = sizeof(uint32_t) };
+enum {
+    GROUP_SIZE = 64,
+    CHUNK_CPU = 512,
+    CHUNK_GPU = 8,
+    BOX_BYTES = 6 * sizeof(float),
+    WORD = sizeof(uint32_t)
+};
 
 bb_status bb_lobvh_dense_create(bb_device *device, bb_account *account, bb_lobvh_dense *dense)
 {
@@ -89,13 +97,16 @@ static bb_status adjust(bb_lobvh_dense *d, const bb_buffer *values, const bb_buf
                         uint32_t levels, bb_tree *tree)
 {
     const uint32_t all = (uint32_t)nodes_above(levels + 1), inner = (uint32_t)nodes_above(levels);
+    const bool cpu = bb_cpu_form(d->device);
+    const uint32_t chunk = cpu ? CHUNK_CPU : CHUNK_GPU;
     BB_TRY(bb_buffer_fill(&tree->d_info, sizeof(bb_tree_info), 0));
     for (uint32_t level = levels + 1; level-- > 0;) {
         const uint32_t first = (uint32_t)nodes_above(level);
         const uint32_t nodes = (uint32_t)nodes_above(level + 1) - first;
-        BB_TRY(bb_launch(d->device, d->adjust, nodes, GROUP_SIZE, BB_MEM(*values), BB_MEM(*boxes),
-                         BB_MEM(d->prims), BB_VALUE(first), BB_VALUE(nodes), BB_VALUE(level),
-                         BB_VALUE(inner), BB_MEM(d->children), BB_MEM(d->boxes), BB_MEM(d->offsets),
+        BB_TRY(bb_launch(d->device, d->adjust, bb_divide_up(nodes, chunk), cpu ? 1 : GROUP_SIZE,
+                         BB_MEM(*values), BB_MEM(*boxes), BB_MEM(d->prims), BB_VALUE(first),
+                         BB_VALUE(nodes), BB_VALUE(chunk), BB_VALUE(level), BB_VALUE(inner),
+                         BB_MEM(d->children), BB_MEM(d->boxes), BB_MEM(d->offsets),
                          BB_MEM(tree->d_info)));
     }
     return bb_launch(d->device, d->next, all, GROUP_SIZE, BB_VALUE(all), BB_MEM(d->children),

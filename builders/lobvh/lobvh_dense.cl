@@ -62,18 +62,16 @@ void join_own(global const uint *values, global const bb_box *boxes, uint2 own, 
         bb_join_box_ahead(values, boxes, i, own.y + 1u, lo, hi);
 }
 
-/* For the `nodes` nodes from `first` on, those of `level`; deeper ones are finished. `sizes`, of
- * nodes above the deepest level: children that stay, and a leaf for primitives beside them. info is
- * 0 before. */
-kernel void dense_adjust(global const uint *restrict values, global const bb_box *restrict boxes,
-                         global const uint2 *restrict prims, uint first, uint nodes, uint level,
-                         uint inner, global uint *children, global float *node_boxes,
-                         global uint *restrict sizes, volatile global bb_tree_info *info)
+/* What has been counted of the tree. */
+typedef struct tally {
+    uint leaves, depth, arity;
+} tally;
+
+void adjust(uint k, uint level, uint inner, global const uint *values, global const bb_box *boxes,
+            global const uint2 *prims, global uint *children, global float *node_boxes,
+            global uint *sizes, tally *t)
 {
-    uint n = get_global_id(0);
-    if (n >= nodes)
-        return;
-    uint k = first + n, child = BB_NONE, count = 0;
+    uint child = BB_NONE, count = 0;
     uint2 own = prims[k];
     float4 lo, hi;
     join_own(values, boxes, own, &lo, &hi);
@@ -93,11 +91,33 @@ kernel void dense_adjust(global const uint *restrict values, global const bb_box
     uint size = count == 0u ? 0u : count + (own.x != BB_NONE ? 1u : 0u);
     if (k < inner)
         sizes[k] = size;
-    if (size > 0u)
-        atomic_max(&info->arity, size);
+    t->arity = BB_MAX(t->arity, size);
     if (own.x != BB_NONE) {
-        atomic_add(&info->leaf_count, 1u);
-        atomic_max(&info->depth, level + (count > 0u ? 1u : 0u));
+        t->leaves++;
+        t->depth = BB_MAX(t->depth, level + (count > 0u ? 1u : 0u));
+    }
+}
+
+/* For the `nodes` nodes from `first` on, those of `level`, `chunk` of them per work-item; deeper
+ * ones are finished. `sizes`, of nodes above the deepest level: children that stay, and a leaf for
+ * primitives beside them. info is 0 before. */
+kernel void dense_adjust(global const uint *restrict values, global const bb_box *restrict boxes,
+                         global const uint2 *restrict prims, uint first, uint nodes, uint chunk,
+                         uint level, uint inner, global uint *children, global float *node_boxes,
+                         global uint *restrict sizes, volatile global bb_tree_info *info)
+{
+    uint begin = get_global_id(0) * chunk;
+    if (begin >= nodes)
+        return;
+    uint end = nodes - begin < chunk ? nodes : begin + chunk;
+    tally t = {0, 0, 0};
+    for (uint n = begin; n < end; n++)
+        adjust(first + n, level, inner, values, boxes, prims, children, node_boxes, sizes, &t);
+    if (t.arity > 0u)
+        atomic_max(&info->arity, t.arity);
+    if (t.leaves > 0u) {
+        atomic_add(&info->leaf_count, t.leaves);
+        atomic_max(&info->depth, t.depth);
     }
 }
 

@@ -190,6 +190,7 @@ static uint32_t node_of(const loose_array *self, const root_cell *root, const bb
         level = octaves < level ? octaves : level;
         float at = (0.5f * lo + 0.5f * hi - root->low[axis]) / whole * cells;
         at = at < cells - 1 ? at : cells - 1;
+        at = at > 0 ? at : 0; /* halves of denormals may be below the corner */
         cell[axis] = (uint32_t)(int)at;
     }
     const uint32_t l = level > 0 ? (uint32_t)level : 0, dropped = self->levels - l;

@@ -78,8 +78,8 @@ static bb_status run_paper(const bb_cli *cli, wanted *w, const char *folder, int
 
 /* ---- all of them ---- */
 
-/* In a paper's folder, once all of it was measured and nothing was wrong: by which program, command
- * and device. */
+/* In a paper's folder, once all of it was measured and nothing was wrong: a hash of the program, the
+ * command, the device, and of the results. */
 #define MARK "measured-well"
 enum { MARK_LENGTH = 16 };
 
@@ -87,9 +87,8 @@ typedef struct mark {
     char text[MARK_LENGTH + 1];
 } mark;
 
-static bb_status identify(const bb_cli *cli, const bb_device_choice *choice, mark *own)
+static bb_status identify(const bb_cli *cli, const bb_device_choice *choice, uint64_t *own)
 {
-    uint64_t hash;
     bb_device *device;
     BB_TRY(bb_open_device(choice, &device));
     bb_identity *identity = bb_identity_begin();
@@ -98,19 +97,32 @@ static bb_status identify(const bb_cli *cli, const bb_device_choice *choice, mar
     bb_identity_add_text(identity, device->name);
     bb_identity_add_text(identity, device->driver);
     bb_device_close(device);
+    return bb_identity_end(identity, "reproduce all", own);
+}
+
+/* The mark of what is in the folder now. */
+static bb_status mark_of(const char *folder, uint64_t own, mark *out)
+{
+    char path[PATH_MAX];
+    uint64_t hash;
+    bb_identity *identity = bb_identity_begin();
+    bb_identity_add(identity, &own, sizeof own);
+    if (bb_join_path(path, folder, "results.json") == BB_OK)
+        bb_identity_add_file(identity, path);
     BB_TRY(bb_identity_end(identity, "reproduce all", &hash));
-    snprintf(own->text, sizeof own->text, "%016" PRIx64, hash);
+    snprintf(out->text, sizeof out->text, "%016" PRIx64, hash);
     return BB_OK;
 }
 
-static bool is_marked(const char *folder, const mark *own)
+static bool is_marked(const char *folder, uint64_t own)
 {
     char path[PATH_MAX], *text;
     size_t size;
-    if (bb_join_path(path, folder, MARK) != BB_OK ||
+    mark now;
+    if (bb_join_path(path, folder, MARK) != BB_OK || mark_of(folder, own, &now) != BB_OK ||
         bb_file_read(path, MARK_LENGTH, "reproduce all", &text, &size) != BB_OK)
         return false;
-    const bool same = strcmp(text, own->text) == 0;
+    const bool same = strcmp(text, now.text) == 0;
     free(text);
     return same;
 }
@@ -131,7 +143,7 @@ static bb_results *read_paper(const char *folder)
 }
 
 /* Measures a paper and, if nothing was wrong, marks its folder. */
-static bb_status measure_paper(const bb_cli *cli, wanted *w, const char *folder, const mark *own,
+static bb_status measure_paper(const bb_cli *cli, wanted *w, const char *folder, uint64_t own,
                                int *exit_status)
 {
     char path[PATH_MAX];
@@ -139,14 +151,16 @@ static bb_status measure_paper(const bb_cli *cli, wanted *w, const char *folder,
     BB_TRY(bb_join_path(path, folder, MARK));
     (void)unlink(path);
     BB_TRY(run_paper(cli, w, folder, &ended));
-    if (ended == BB_EXIT_OK)
-        return bb_file_write(path, own->text, MARK_LENGTH, "reproduce all");
-    *exit_status = ended;
-    return BB_OK;
+    *exit_status = ended != BB_EXIT_OK ? ended : *exit_status;
+    mark now;
+    if (ended != BB_EXIT_OK)
+        return BB_OK;
+    BB_TRY(mark_of(folder, own, &now));
+    return bb_file_write(path, now.text, MARK_LENGTH, "reproduce all");
 }
 
 /* Measures a paper, unless it was measured before, and shows it on the page. */
-static bb_status add_paper(const bb_cli *cli, wanted *w, const mark *own, bb_page *page,
+static bb_status add_paper(const bb_cli *cli, wanted *w, uint64_t own, bb_page *page,
                            int *exit_status)
 {
     char folder[PATH_MAX];
@@ -201,7 +215,7 @@ static bb_status write_pages(const wanted *w, const bb_page *page)
 static bb_status run_all(const bb_cli *cli, wanted *w, int *exit_status)
 {
     bb_page *page;
-    mark own;
+    uint64_t own;
     if (w->scenes.count > 0)
         return bb_fail(BB_INVALID,
                        "reproduce all: papers need different scenes: leave out --scene, "
@@ -217,7 +231,7 @@ static bb_status run_all(const bb_cli *cli, wanted *w, int *exit_status)
     for (const bb_paper *const *paper = bb_papers;
          *paper != NULL && status == BB_OK && *exit_status != BB_EXIT_INTERRUPTED; paper++) {
         w->request.paper = *paper;
-        status = add_paper(cli, w, &own, page, exit_status);
+        status = add_paper(cli, w, own, page, exit_status);
     }
     if (status == BB_OK)
         status = write_pages(w, page);

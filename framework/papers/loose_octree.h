@@ -21,7 +21,7 @@
 #define LLBVH30_64 "llbvh:bits=30,link=search"
 #define LOBVH_SKIPPING "lobvh:levels=auto,view=0"
 #define LOBVH_BEST LOBVH("{6,7,8}")
-#define LOBVH_VIEWLESS "lobvh:levels=auto"
+#define LOBVH_VIEWLESS "lobvh:levels=6,chains=keep,octree=arrays"
 #define SMALLEST LLBVH30 ",side=smallest"
 
 /* Experiments, in order. */

@@ -89,7 +89,7 @@ static bb_status cut(const bb_reproduce_request *request, bb_scene *scene, const
 }
 
 static bb_status locate(const bb_reproduce_request *request, bb_scene *scene, const char *name,
-                        bb_table *table)
+                        bb_findings *f)
 {
     bb_location_request location = {.contest = contest_of(request, name),
                                     .points = request->quick       ? 2000
@@ -98,7 +98,13 @@ static bb_status locate(const bb_reproduce_request *request, bb_scene *scene, co
     location.contest.builder_count = BUILDERS_AND_RIVALS;
     location.contest.kernels = kernels;
     location.contest.kernel_count = KERNELS;
-    return bb_location_run(&location, scene, table);
+    const bb_status status = bb_location_run(&location, scene, f->table);
+    if (status != BB_UNSUPPORTED && status != BB_REFUSED)
+        return status;
+    /* it is the last of the mesh's tasks, and takes none of the others with it */
+    const uint32_t row = bb_table_row(f->table, (bb_cell){{[BB_SCENE] = name}});
+    bb_table_set_text(f->table, row, &bb_column_refused, bb_message());
+    return BB_OK;
 }
 
 /* With `other`, fitted into the middle. */
@@ -137,7 +143,7 @@ static bb_status measure_mesh(const bb_reproduce_request *request, const char *n
     if (status == BB_OK)
         status = overlap(request, scene, name, next, f[BB_OLBVH_OVERLAPS].table);
     if (status == BB_OK)
-        status = locate(request, scene, name, f[BB_OLBVH_LOCATION].table);
+        status = locate(request, scene, name, &f[BB_OLBVH_LOCATION]);
     bb_scene_free(scene);
     return status;
 }

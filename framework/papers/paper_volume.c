@@ -15,6 +15,7 @@
 #include "framework/tasks/dvr.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { SIDE_LEAST = 64, SIZES_MAX = 6, BRICK = 8, PAPER_SIDE = 2160 }; /* the last: the paper's */
@@ -164,11 +165,21 @@ static bb_status picture_in_turn(const bb_reproduce_request *request, const char
 }
 
 /* Bytes that a volume of so many voxels of a byte takes while it is compared: its bricks with the
- * layer that they share, on the host, on the device, and there once more to be copied. */
+ * layer that they share, on the host, on the device, and there once more to be copied; and for each
+ * brick boxes, and the trees and layouts of all builders. */
 static double predicted_bytes(double side)
 {
-    const double overlap = (double)(BRICK + 1) / BRICK;
-    return 3 * side * side * side * overlap * overlap * overlap;
+    enum { BYTES_OF_BRICK = 600 };
+    const double cells = side * side * side, overlap = (double)(BRICK + 1) / BRICK;
+    return 3 * cells * overlap * overlap * overlap +
+           cells / (BRICK * BRICK * BRICK) * BYTES_OF_BRICK;
+}
+
+/* Says on the first volume that a larger one is left out. */
+static void leave_out(bb_findings *f, const char *why)
+{
+    const bb_cell first = {{[BB_SCENE] = f->scenes[0]}};
+    bb_table_set_text(f->table, bb_table_row(f->table, first), &left_out, why);
 }
 
 static bb_status measure_sizes(const bb_reproduce_request *request, bb_findings *f, char full[64],
@@ -181,19 +192,22 @@ static bb_status measure_sizes(const bb_reproduce_request *request, bb_findings 
         if (bricks / SEEN_PART > request->max_prims)
             break;
         snprintf(name, sizeof name, "nbody:n=%u", (uint32_t)side);
-        if (predicted_bytes((double)side) > (double)bb_host_limit()) {
-            char text[160];
-            if (f->scene_count == 0)
-                return bb_fail(BB_REFUSED, "reproduce volume: no memory for %s", name);
-            snprintf(text, sizeof text, "%s would take %.1f GiB, of which %.1f are there", name,
-                     predicted_bytes((double)side) / (1 << 30),
-                     (double)bb_host_limit() / (1 << 30));
-            bb_table_set_text(f->table,
-                              bb_table_row(f->table, (bb_cell){{[BB_SCENE] = f->scenes[0]}}),
-                              &left_out, text);
+        char why[400];
+        bb_status status = BB_OK;
+        if (predicted_bytes((double)side) > (double)bb_host_limit())
+            status = bb_fail(BB_REFUSED, "%s would take %.1f GiB, of which %.1f are there", name,
+                             predicted_bytes((double)side) / (1 << 30),
+                             (double)bb_host_limit() / (1 << 30));
+        else
+            status = picture(request, name, f, wrong);
+        if (status == BB_REFUSED && f->scene_count > (count > 0 ? 0u : 1u)) {
+            snprintf(why, sizeof why, "%s", bb_message());
+            if (strcmp(f->scenes[f->scene_count - 1], name) == 0)
+                free(f->scenes[--f->scene_count]);
+            leave_out(f, why);
             break;
         }
-        BB_TRY(picture(request, name, f, wrong));
+        BB_TRY(status);
         if (count < 3) /* a full volume takes long */
             snprintf(full, 64, "%s", name);
     }
@@ -243,6 +257,24 @@ static bool is_last_double(const bb_findings *f, const char *scene)
     return is_later(f, scene) && is_largest(f, scene);
 }
 
+/* In pictures of the paper's size: how build and picture compare depends on it. */
+static bool is_published(const bb_findings *f, const char *scene, double side)
+{
+    const bb_cell cell = {{[BB_SCENE] = scene}};
+    return cubes_of(f, scene) == side * side * side &&
+           bb_find(f, &cell, "picture_width").number == PAPER_SIDE;
+}
+
+static bool is_1024(const bb_findings *f, const char *scene)
+{
+    return is_published(f, scene, 1024);
+}
+
+static bool is_2048(const bb_findings *f, const char *scene)
+{
+    return is_published(f, scene, 2048);
+}
+
 #define BY_STACK .builder = VOLUME_BUILDER, .kernel = "stack"
 #define OVER_NO_TREE .base = "", .base_kernel = NO_TREE
 #define VOTE .what = "phase_ms", .phase = "vote", .per = "build_ms", BY_STACK
@@ -273,9 +305,9 @@ static const bb_figure vote = {VOTE},
     }
 static const bb_figure build_share = {BUILD_OVER_PICTURE},
                        build_growth = {BUILD_OVER_PICTURE, .previous = true, .only = is_later},
-                       largest_share = {BUILD_OVER_PICTURE, .only = is_largest},
+                       share_of_2048 = {BUILD_OVER_PICTURE, .only = is_2048},
                        pruned_1 = OVER_WHOLE(PRUNED_1), pruned_2 = OVER_WHOLE(PRUNED_2),
-                       largest_ms = {.what = "frame_ms", BY_STACK, .only = is_largest};
+                       published_ms = {.what = "frame_ms", BY_STACK, .only = is_1024};
 
 /* ---- tables ---- */
 
@@ -401,16 +433,20 @@ static const bb_paper_claim claims[] = {
      .tests = {BB_TEST_EACH(1, BB_BELOW, 1)},
      .scenes = 3,
      .ours = {{.each = true, .first = "picture, ratio at ", .text = "{scene}: {0}"}}},
-    {.text = "The larger the volume, the more the build counts beside the picture, and at last it "
-             "dominates",
-     .paper = "section 4, figure 4: at 2048^3 it takes longer than the picture",
-     .figures = {&build_share, &build_growth, &largest_share},
-     .tests = {BB_TEST_EACH(1, BB_ABOVE, 1), BB_TEST_EACH(2, BB_ABOVE, 1)},
+    {.text = "The larger the volume, the more the build counts beside the picture",
+     .paper = "section 4, figure 4",
+     .figures = {&build_share, &build_growth},
+     .tests = {BB_TEST_EACH(1, BB_ABOVE, 1)},
      .scenes = 3,
      .ours = {{.each = true, .first = "build over picture at ", .text = "{scene}: {0}"}}},
-    {.text = "A tree and a picture fit into the time of a frame (here: at the largest volume)",
-     .paper = "30 to 35 ms for 1024^3",
-     .figures = {&largest_ms},
+    {.text = "At 2048^3 the build takes longer than a picture of 2160 x 2160 pixels",
+     .paper = "section 4, figure 4",
+     .figures = {&share_of_2048},
+     .tests = {BB_TEST_EACH(0, BB_ABOVE, 1)},
+     .ours = {{.each = true, .text = "{scene}: {0}"}}},
+    {.text = "A tree and a picture of 2160 x 2160 pixels fit into the time of a frame at 1024^3",
+     .paper = "30 to 35 ms",
+     .figures = {&published_ms},
      .tests = {{.over = BB_EACH, .side = BB_AT_MOST, .claimed = 35}},
      .ours = {{.each = true, .text = "{scene}: {0} ms"}}},
     {.text =
