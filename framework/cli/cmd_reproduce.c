@@ -78,8 +78,8 @@ static bb_status run_paper(const bb_cli *cli, wanted *w, const char *folder, int
 
 /* ---- all of them ---- */
 
-/* In a paper's folder, once all of it was measured and nothing was wrong: a hash of the program, the
- * command, the device, and of the results. */
+/* In a paper's folder, once all of it was measured and nothing was wrong: a hash of the program,
+ * the command, the device, and of the results. */
 #define MARK "measured-well"
 enum { MARK_LENGTH = 16 };
 

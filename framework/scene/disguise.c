@@ -104,7 +104,8 @@ static bb_status wear(bb_disguise *disguise, bb_random *random, bb_scene *scene)
     disguise->worn = true;
     for (uint32_t kind = 0; kind < BB_KIND_COUNT; kind++) {
         const uint32_t count = scene->prims[kind].count;
-        disguise->shift[kind] = count > 1 && scene->object_count == 0 ? 1 + bb_random_below(random, count - 1) : 0;
+        disguise->shift[kind] =
+            count > 1 && scene->object_count == 0 ? 1 + bb_random_below(random, count - 1) : 0;
         renumber(disguise, scene, kind);
     }
     disguise->mirrored = choose_axes(disguise, scene);

@@ -18,12 +18,12 @@ typedef struct bb_disguise {
 } bb_disguise;
 
 /* Mirrors the scene in its box, along axes where floats can hold it, and renumbers the primitives
- * of each kind: primitive 0 becomes one drawn at random, the others follow. Box, sizes and
- * duplicates stay as they are, but for rounding; profile and views stay. A scene that says which
- * primitives belong together keeps its numbers, and is only mirrored. The device's copy follows. The first call copies the geometry; later calls make another disguise of it.
- * BB_UNSUPPORTED if the scene looks like itself, or has a volume or tetrahedra, whose side arrays
- * are numbered like the primitives. Whatever it returns, bb_disguise_take_off() comes before any
- * other use. */
+ * of each kind: primitive 0 becomes one drawn at random, the others follow. A scene that says which
+ * primitives belong together keeps its numbers. Box, sizes and duplicates stay as they are, but for
+ * rounding; profile and views stay. The device's copy follows. The first call copies the geometry;
+ * later calls make another disguise of it. BB_UNSUPPORTED if the scene looks like itself, or has a
+ * volume or tetrahedra, whose side arrays are numbered like the primitives. Whatever it returns,
+ * bb_disguise_take_off() comes before any other use. */
 bb_status bb_disguise_put_on(bb_disguise *disguise, bb_random *random, bb_scene *scene);
 
 /* Gives the scene its own primitives back, bit for bit. */

@@ -6,8 +6,9 @@
 
 /* Builders named "faces/..." build over the mesh's faces, which `contest.kernels` trace as Wald,
  * Usher, Morrical, Lediaev and Pascucci 2019 do: the nearest face on a ray from a point says which
- * tetrahedron holds the point. Rays are short, as there: as long as the mesh's longest edge. Embree traces them, too, by each of its queries that there is: rows
- * of the builder "faces/embree-native", whose times are of its trace alone. */
+ * tetrahedron holds the point. Rays are short, as there: as long as the mesh's longest edge. Embree
+ * traces them, too, by each of its queries that there is: rows of the builder
+ * "faces/embree-native", whose times are of its trace alone. */
 typedef struct bb_location_request {
     bb_contest_request contest;
     uint32_t points; /* evenly spread over the mesh's volume */
