@@ -151,7 +151,9 @@ static bb_status run_wishes(bb_points *points, bb_wish *wishes, uint32_t count, 
     snprintf(reason, sizeof reason, "%s", wishes[0].figures[first].reason);
     set_all(&work, BB_NOT_MEASURED, "");
     BB_TRY(run_apart(points, wishes, count, again));
-    if (!bb_interrupted() && count_outcome(points, wishes, count, end) == 0)
+    /* the first is told: times that are in doubt are measured again, and may end like it */
+    if (points->mishap[0] == '\0' && !bb_interrupted() &&
+        count_outcome(points, wishes, count, end) == 0)
         snprintf(points->mishap, sizeof points->mishap,
                  "%s: a process with several measurements %s, from %.9g on: %s", points->axis->name,
                  bb_outcome_word(end), wishes[0].x, reason);

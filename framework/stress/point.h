@@ -46,7 +46,7 @@ typedef struct bb_points {
     void *user;
     /* out */
     uint32_t measured, taken_over; /* values */
-    char mishap[512]; /* the last process that died with several methods of which none dies alone;
+    char mishap[512]; /* the first process that died with several methods of which none dies alone;
                          "": none */
     char device[256], driver[256]; /* "": not known yet */
 } bb_points;
