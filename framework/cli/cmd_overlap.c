@@ -16,7 +16,7 @@ typedef struct job {
     bb_contest_request request;
     bb_scene *scenes[2];
     bb_contest_output output;
-    bool wrong;
+    bool brief, wrong;
 } job;
 
 static const bb_cli_option options[] = {
@@ -32,6 +32,9 @@ static const bb_cli_option options[] = {
     {"repeats", "N", "measured rounds (the paper: 50)", BB_INTO(job, request.repeats), .low = 1,
      .high = BB_SAMPLES_MAX - 1, .fallback = "10"},
     BB_SEED_OPTION(job, request.seed),
+    {"brief", NULL,
+     "show less: no trees, phases and legends; by default no builders that take long on meshes",
+     BB_INTO(job, brief)},
     BB_GROUP(bb_contest_options, job, choice),
     {"out", "DIR",
      "folder for overlap.json, overlap.html and pictures of what does not overlap; default: none",
@@ -43,7 +46,7 @@ static const bb_cli_option options[] = {
 
 static bb_status read_request(job *j)
 {
-    BB_TRY(bb_choose_tree_builders(&j->builders, BB_OF_MESHES));
+    BB_TRY(bb_choose_tree_builders(&j->builders, j->brief ? BB_OF_MESHES_BRIEFLY : BB_OF_MESHES));
     return bb_check_searches(&j->searches);
 }
 
@@ -101,8 +104,10 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
     job *j = values;
     if (cli->positional_count != 2)
         return bb_fail(BB_INVALID, "overlap takes two meshes: see `bvhbench overlap --help`");
-    j->output = (bb_contest_output){
-        .outline = &bb_overlap_outline, .choice = &j->choice, .command_line = cli->command_line};
+    j->output = (bb_contest_output){.outline = &bb_overlap_outline,
+                                    .printed = j->brief ? &bb_overlap_outline_briefly : NULL,
+                                    .choice = &j->choice,
+                                    .command_line = cli->command_line};
     bb_status status = work(j, cli->positional);
     return bb_contest_end(status, j->wrong, exit_status);
 }

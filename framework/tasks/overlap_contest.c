@@ -51,9 +51,15 @@ static bb_status see(void *self, uint32_t direction, const void *first, uint32_t
 
 BB_EXACT(meeting, "meeting", "meet the other mesh", "", "Tetrahedra of the mesh.", NEITHER, 0);
 
+#define OUTLINE .command = "overlap", .title = "bvhbench: overlaps of meshes"
+
+const bb_page_outline bb_overlap_outline_briefly = {
+    OUTLINE,
+    BB_CONTEST_OUTLINE(BB_CONTEST_VIEWS_BRIEF),
+};
+
 const bb_page_outline bb_overlap_outline = {
-    .command = "overlap",
-    .title = "bvhbench: overlaps of meshes",
+    OUTLINE,
     BB_CONTEST_OUTLINE(BB_CONTEST_VIEWS),
     .note = "ms: medians of the rounds, of both trees and both directions. answer: which "
             "tetrahedra meet the other mesh. / first: the ratio to the first way, paired round by "

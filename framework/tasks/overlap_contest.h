@@ -15,6 +15,6 @@
 bb_status bb_overlap_run(const bb_contest_request *request, bb_scene *const scenes[2],
                          const char *folder, bb_table *table);
 
-extern const bb_page_outline bb_overlap_outline;
+extern const bb_page_outline bb_overlap_outline, bb_overlap_outline_briefly;
 
 #endif

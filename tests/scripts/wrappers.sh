@@ -44,9 +44,12 @@ expect "bvhbench run --scene cube --out $tree/out" bench run --scene cube
 expect "bvhbench run --quick --out=here" bench --quick --out=here
 expect 'setup bench' bench
 expect 'build release' bench # all that is installed, not the program alone
-volume='bvhbench volume --brief --scene nbody:n=64 --scene tets:side=8 --size 48x48 --step 1 --steps 4,2,1 --kernel stack'
-expect "$volume --repeats 6 --out $tree/out" bench
-expect "$volume --repeats 3 --seed=2 --out here" bench --repeats 3 --seed=2 --out here
+volume='bvhbench volume --brief --scene nbody:n=160 --size 48x48 --step 1 --steps 4,2,1 --kernel stack'
+overlap='bvhbench overlap --brief --fit 0.6 tets:side=14,shape=block tets:side=14'
+for part in "$volume" "$overlap"; do
+    expect "$part --repeats 6 --out $tree/out" bench
+    expect "$part --repeats 3 --seed=2 --out here" bench --repeats 3 --seed=2 --out here
+done
 expect "bvhbench run --repeats 3 --seed=2 --out here" bench run --repeats 3 --seed=2 --out here
 expect "bvhbench run --scene cube --repeats 2 --out $tree/out" bench --scene cube --repeats 2
 ! grep -q 'bvhbench volume' "$work/said" || fail 'volumes are compared beside chosen scenes'
