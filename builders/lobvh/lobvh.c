@@ -20,8 +20,8 @@
  * - Spheres are measured by their box, whose sides are the diameter, rounded outwards.
  */
 #include "builders/common/view_order.h"
-#include "builders/lobvh/lobvh_dense.h"
 #include "framework/builder/builder.h"
+#include "lobvh_dense.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,4 +1,4 @@
-#include "builders/lobvh/lobvh_dense.h"
+#include "lobvh_dense.h"
 
 #include "framework/base/arithmetic.h"
 
