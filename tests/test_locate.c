@@ -26,6 +26,7 @@ static const struct {
                 {"olbvh", "octree"},
                 {"olbvh", "olbvh"},
                 {"olbvh:bits=0", "olbvh"}};
+enum { BY_OCTANTS = 2, AS_PUBLISHED = 3 }; /* of the same tree */
 
 /* ---- points ---- */
 
@@ -167,7 +168,7 @@ static void compare(bb_device *on, const char *name, uint32_t count, bool overla
     check(bb_scene_load(name, &scene), name);
     check(bb_scene_upload(scene, on), name);
     float *points = malloc(3 * (size_t)count * sizeof *points);
-    bb_located *found = malloc(count * sizeof *found);
+    bb_located *found = malloc(count * sizeof *found), *first = malloc(count * sizeof *first);
     for (uint32_t i = 0; i < count; i++) {
         bb_random random = bb_random_make(seed, i);
         make_point(scene, &random, points + 3 * (size_t)i);
@@ -185,6 +186,10 @@ static void compare(bb_device *on, const char *name, uint32_t count, bool overla
                           name, ways[way].builder, ways[way].layout, floats ? "floats" : "doubles",
                           t.points, t.held, t.borders, t.misses, t.false_holds, t.others);
             assert_int_equal(t.misses, 0);
+            if (way == BY_OCTANTS)
+                memcpy(first, found, count * sizeof *found);
+            if (way == AS_PUBLISHED) /* the same cell, also for points on its planes */
+                assert_memory_equal(found, first, count * sizeof *found);
             assert_true(t.held > count / 4 && t.borders > count / 50);
             assert_true(t.false_holds <= (floats ? count : 2 + count / 50));
             assert_true(overlaps || t.others <= (floats ? count / 5 : 2 + count / 50));
@@ -192,6 +197,7 @@ static void compare(bb_device *on, const char *name, uint32_t count, bool overla
     bb_buffer_release(&on_device);
     free(points);
     free(found);
+    free(first);
     bb_scene_free(scene);
 }
 
@@ -204,6 +210,7 @@ static void no_point_is_missed(void **state)
         if (small || form != first_form())
             continue;
         compare(on, "tets:side=6,shape=block,jitter=0", 20000, false);
+        compare(on, "tets:side=8,shape=block,jitter=0", 20000, false); /* faces on planes */
         compare(on, "tets:side=6,shape=shell", 10000, false);
         compare(on, "tets:side=6,flip=2,flat=5", 10000, false);
         compare(on, "tets:side=5,twins=3", 10000, true);

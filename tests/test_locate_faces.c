@@ -4,6 +4,7 @@
 #include "framework/scene/tets_faces.h"
 #include "framework/tasks/locate_contest.h"
 #include "tests/device_forms.h"
+#include "tests/table_fixture.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -110,15 +111,9 @@ static void twins_share_faces(void **state)
 
 /* ---- points ---- */
 
-static double number(const bb_table *table, const char *mesh, const char *builder,
-                     const char *search, const char *column)
+static bb_cell way(const char *mesh, const char *builder, const char *search)
 {
-    const bb_cell cell = {{[BB_SCENE] = mesh, [BB_BUILDER] = builder, [BB_INTERSECTOR] = search}};
-    const uint32_t row = bb_table_find(table, cell);
-    const char *why = bb_table_get_text(table, row, "refused");
-    if (why[0] != '\0')
-        fail_msg("%s by %s on %s: %s", builder, search, mesh, why);
-    return bb_table_get_number(table, row, column);
+    return (bb_cell){{[BB_SCENE] = mesh, [BB_BUILDER] = builder, [BB_INTERSECTOR] = search}};
 }
 
 static bb_table *locate(bb_device *device, const char *name)
@@ -156,21 +151,20 @@ static void faces_find_the_same(void **state)
         {"faces/embree-native", "single"}, {"faces/embree-native", "packet8"}};
     for (int m = 0; m < meshes_now(); m++) {
         bb_table *table = locate(devices[first_form()], meshes[m]);
-        assert_true(number(table, meshes[m], "olbvh", "skip", "differ") == 0);
+        assert_true(number(table, way(meshes[m], "olbvh", "skip"), "differ") == 0);
         for (size_t r = 0; r < sizeof rivals / sizeof rivals[0]; r++) {
             const char *builder = rivals[r][0], *kernel = rivals[r][1];
             const bool embree = strcmp(builder, "faces/embree-native") == 0;
-            const bb_cell row = {
-                {[BB_SCENE] = meshes[m], [BB_BUILDER] = builder, [BB_INTERSECTOR] = kernel}};
+            const bb_cell row = way(meshes[m], builder, kernel);
             if (embree && strcmp(kernel, "single") != 0 && bb_table_find(table, row) == BB_NO_ROW)
                 continue; /* the library, or the processor, lacks it */
-            const double differ = number(table, meshes[m], builder, kernel, "differ");
+            const double differ = number(table, row, "differ");
             if (!(differ <= POINTS / 500))
                 fail_msg("%s by %s on %s: %g of %d points differ", builder, kernel, meshes[m],
                          differ, POINTS);
-            assert_true(number(table, meshes[m], builder, kernel, "answer_ms") > 0);
-            assert_true(number(table, meshes[m], builder, kernel, "build_ms") > 0);
-            assert_true(embree || number(table, meshes[m], builder, kernel, "nodes_per_item") > 1);
+            assert_true(number(table, row, "answer_ms") > 0);
+            assert_true(number(table, row, "build_ms") > 0);
+            assert_true(embree || number(table, row, "nodes_per_item") > 1);
         }
         bb_table_free(table);
     }
@@ -182,7 +176,7 @@ static void wrong_answers_are_counted(void **state)
     (void)state;
     const char *name = "tets:side=4,jitter=1"; /* tangled */
     bb_table *table = locate(devices[first_form()], name);
-    assert_true(number(table, name, "faces/lbvh", "stack", "differ") > POINTS / 100);
+    assert_true(number(table, way(name, "faces/lbvh", "stack"), "differ") > POINTS / 100);
     bb_table_free(table);
 }
 

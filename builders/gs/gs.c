@@ -140,22 +140,9 @@ static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
                          self->collections ? scene->object_count : scene->prim_count);
 }
 
-/* Makes the boxes of all objects. */
-static const bb_box *find_boxes(gs *self, const bb_scene *scene)
+static const bb_box *boxes_of(const gs *self, const bb_scene *scene)
 {
-    if (!self->collections)
-        return scene->boxes;
-    for (uint32_t o = 0; o < self->groups.count; o++) {
-        bb_box *box = &self->groups.boxes[o];
-        *box = scene->boxes[self->groups.starts[o]];
-        for (uint32_t i = self->groups.starts[o] + 1; i < self->groups.starts[o + 1]; i++)
-            for (int k = 0; k < 3; k++) {
-                const bb_box *more = &scene->boxes[i];
-                box->lo[k] = more->lo[k] < box->lo[k] ? more->lo[k] : box->lo[k];
-                box->hi[k] = more->hi[k] > box->hi[k] ? more->hi[k] : box->hi[k];
-            }
-    }
-    return self->groups.boxes;
+    return self->collections ? self->groups.boxes : scene->boxes;
 }
 
 static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input, bb_tree *tree,
@@ -171,7 +158,7 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
         bb_gs_groups_make(&self->groups, scene, tree);
     }
     BB_TRY(bb_phase(phases, "order"));
-    const bb_box *boxes = find_boxes(self, scene);
+    const bb_box *boxes = boxes_of(self, scene);
     bb_gs_clear(own, objects);
     self->updates = 0;
     for (uint32_t i = 0; i < objects; i++)
@@ -236,7 +223,7 @@ static bb_status update(void *opaque, const bb_scene *scene, uint32_t changed, b
         follow(self, scene, tree);
     }
     BB_TRY(bb_phase(phases, "detect"));
-    const bb_box *boxes = self->collections ? self->groups.boxes : scene->boxes;
+    const bb_box *boxes = boxes_of(self, scene);
     const uint32_t moved = find_moved(self, scene, boxes);
     own->reinserted = own->thinned = 0;
     BB_TRY(bb_event(phases, "moved", moved));

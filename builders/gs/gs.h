@@ -83,7 +83,7 @@ typedef struct bb_gs_tree {
 
 /* Objects that are collections of primitives, each with a tree of its own. */
 typedef struct bb_gs_groups {
-    uint32_t count;
+    uint32_t count, capacity;
     const uint32_t *starts; /* the scene's object_starts */
     bb_box *boxes;          /* per object */
     uint32_t *first;        /* per object: its first node in the common tree; and their number */

@@ -31,16 +31,20 @@ bb_status bb_gs_groups_reserve(bb_gs_groups *g, bb_account *account, const bb_sc
     const char *what = "gs: collections";
     const size_t count = scene->object_count;
     uint32_t largest = 1;
-    if (g->boxes != NULL && g->count == scene->object_count && g->starts == scene->object_starts)
-        return BB_OK; /* as before */
     g->count = scene->object_count;
     g->starts = scene->object_starts;
     for (uint32_t o = 0; o < g->count; o++)
         largest = size_of(g, o) > largest ? size_of(g, o) : largest;
-    BB_TRY(bb_host_alloc(account, count * sizeof *g->boxes, what, &g->boxes));
-    BB_TRY(bb_host_alloc(account, (count + 1) * sizeof *g->first, what, &g->first));
-    BB_TRY(bb_host_alloc(account, count * sizeof *g->heights, what, &g->heights));
-    BB_TRY(bb_host_alloc(account, (2 * (size_t)largest - 1) * sizeof *g->nodes, what, &g->nodes));
+    if (g->count > g->capacity) {
+        g->capacity = 0;
+        BB_TRY(bb_host_alloc(account, count * sizeof *g->boxes, what, &g->boxes));
+        BB_TRY(bb_host_alloc(account, (count + 1) * sizeof *g->first, what, &g->first));
+        BB_TRY(bb_host_alloc(account, count * sizeof *g->heights, what, &g->heights));
+        g->capacity = g->count;
+    }
+    if (largest > g->one.capacity)
+        BB_TRY(
+            bb_host_alloc(account, (2 * (size_t)largest - 1) * sizeof *g->nodes, what, &g->nodes));
     return bb_gs_reserve(&g->one, account, largest);
 }
 
@@ -74,6 +78,8 @@ static void make_one(bb_gs_groups *g, uint32_t object, const bb_scene *scene, bb
         bb_gs_add(&g->one, member, &box);
     }
     bb_gs_emit(&g->one, true, &alone);
+    memcpy(g->boxes[object].lo, g->nodes[0].lo, sizeof g->nodes[0].lo);
+    memcpy(g->boxes[object].hi, g->nodes[0].hi, sizeof g->nodes[0].hi);
     g->heights[object] = alone.info.depth;
     g->arity = alone.info.arity > g->arity ? alone.info.arity : g->arity;
     g->first[object + 1] = g->first[object] + alone.info.node_count - 1;
@@ -110,42 +116,36 @@ void bb_gs_groups_end(const bb_gs_groups *g, uint32_t object, uint32_t skip, bb_
 
 /* ---- moving ---- */
 
-static void join(const float lo[3], const float hi[3], float to_lo[3], float to_hi[3])
-{
-    for (int k = 0; k < 3; k++) {
-        to_lo[k] = lo[k] < to_lo[k] ? lo[k] : to_lo[k];
-        to_hi[k] = hi[k] > to_hi[k] ? hi[k] : to_hi[k];
-    }
-}
-
 /* The union of the nodes from `n` on, up to the one that is followed by `skip`. */
-static void join_siblings(const bb_tree *out, uint32_t n, uint32_t skip, float lo[3], float hi[3])
+static bb_gs_box unite_siblings(const bb_tree *out, uint32_t n, uint32_t skip)
 {
-    for (int k = 0; k < 3; k++) {
-        lo[k] = INFINITY;
-        hi[k] = -INFINITY;
+    bb_gs_box all = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    for (; n != skip; n = out->nodes[n].skip) {
+        bb_gs_box one;
+        memcpy(one.lo, out->nodes[n].lo, sizeof one.lo);
+        memcpy(one.hi, out->nodes[n].hi, sizeof one.hi);
+        all = bb_gs_unite(&all, &one);
     }
-    for (; n != skip; n = out->nodes[n].skip)
-        join(out->nodes[n].lo, out->nodes[n].hi, lo, hi);
+    return all;
 }
 
 void bb_gs_groups_refit(bb_gs_groups *g, uint32_t object, const bb_scene *scene, uint32_t skip,
                         bb_tree *out)
 {
     const uint32_t first = g->first[object], end = g->first[object + 1];
-    bb_box *box = &g->boxes[object];
     if (!bb_gs_is_group(g, object)) {
-        *box = scene->boxes[g->starts[object]];
+        g->boxes[object] = scene->boxes[g->starts[object]];
         return;
     }
     for (uint32_t n = end; n-- > first;) {
         bb_node *node = &out->nodes[n];
-        if ((node->first & BB_LEAF_BIT) == 0) {
-            join_siblings(out, node->first, node->skip, node->lo, node->hi);
-            continue;
-        }
-        memcpy(node->lo, scene->boxes[node->first & BB_INDEX_MASK].lo, sizeof node->lo);
-        memcpy(node->hi, scene->boxes[node->first & BB_INDEX_MASK].hi, sizeof node->hi);
+        const bb_gs_box box = (node->first & BB_LEAF_BIT) != 0
+                                  ? bb_gs_box_of(&scene->boxes[node->first & BB_INDEX_MASK])
+                                  : unite_siblings(out, node->first, node->skip);
+        memcpy(node->lo, box.lo, sizeof node->lo);
+        memcpy(node->hi, box.hi, sizeof node->hi);
     }
-    join_siblings(out, first, skip, box->lo, box->hi);
+    const bb_gs_box box = unite_siblings(out, first, skip);
+    memcpy(g->boxes[object].lo, box.lo, sizeof box.lo);
+    memcpy(g->boxes[object].hi, box.hi, sizeof box.hi);
 }

@@ -19,7 +19,7 @@ static bb_status note(bb_contest_way *way, bb_status status)
 /* What precedes the specification of a builder over faces. */
 static const char of_faces[] = "faces/";
 
-bool bb_contest_of_faces(const char *builder)
+static bool is_of_faces(const char *builder)
 {
     return strncmp(builder, of_faces, sizeof of_faces - 1) == 0;
 }
@@ -28,8 +28,7 @@ uint32_t bb_contest_count_ways(const bb_contest_request *request)
 {
     uint32_t count = request->without ? 1 : 0;
     for (uint32_t i = 0; i < request->builder_count; i++)
-        count += bb_contest_of_faces(request->builders[i]) ? request->kernel_count
-                                                           : request->search_count;
+        count += is_of_faces(request->builders[i]) ? request->kernel_count : request->search_count;
     return count;
 }
 
@@ -116,7 +115,7 @@ static bb_status make_entrant(bb_contest *c, uint32_t i, uint32_t first)
 {
     const bb_contest_request *request = c->request;
     const char *builder = request->builders[i];
-    const bool faces = bb_contest_of_faces(builder);
+    const bool faces = is_of_faces(builder);
     bb_contest_entrant *e = &c->entrants[i];
     bb_status status = BB_OK;
     *e =

@@ -21,9 +21,6 @@ typedef struct bb_contest_entrant {
     uint32_t choice_count;
 } bb_contest_entrant;
 
-/* Whether a builder of this specification builds over faces. */
-bool bb_contest_of_faces(const char *builder);
-
 /* How many ways the request has, with the one without a tree. */
 uint32_t bb_contest_count_ways(const bb_contest_request *request);
 

@@ -23,24 +23,25 @@ static const bb_layout *find_layout(const char *name)
     return layout != NULL && layout->search != BB_SEARCH_NONE ? layout : NULL;
 }
 
-/* Their names, by commas. */
-static void list_layouts(char *text, size_t capacity)
+/* Names those that can be searched. */
+static bb_status no_such_search(bb_status status, const char *what, const char *name)
 {
+    char there[128] = "";
     size_t length = 0;
     for (const bb_layout *const *layout = bb_layouts; *layout != NULL; layout++)
-        if ((*layout)->search != BB_SEARCH_NONE && length < capacity)
-            length += (size_t)snprintf(text + length, capacity - length, "%s%s",
+        if ((*layout)->search != BB_SEARCH_NONE && length < sizeof there)
+            length += (size_t)snprintf(there + length, sizeof there - length, "%s%s",
                                        length > 0 ? ", " : "", (*layout)->name);
+    return bb_fail(status, "%s '%s': there are %s", what, name, there);
 }
 
 bb_status bb_tet_search_parse(const char *text, bb_spec *spec)
 {
     BB_TRY(bb_spec_parse(text, spec));
     const bb_layout *layout = find_layout(spec->name);
-    char what[96], there[128] = "";
-    list_layouts(there, sizeof there);
+    char what[96];
     if (layout == NULL)
-        return bb_fail(BB_INVALID, "there is no search '%s': there are %s", spec->name, there);
+        return no_such_search(BB_INVALID, "there is no search", spec->name);
     snprintf(what, sizeof what, "search %s", spec->name);
     return bb_spec_validate(
         spec, bb_tet_search_has_boundary(layout->search) ? bb_tet_search_options : NULL, what);
@@ -56,11 +57,9 @@ bool bb_tet_search_by_boundary(const bb_spec *spec)
 bb_status bb_tet_search_by(const bb_scene *scene, const bb_layout *layout,
                            const bb_layout_data *data, bb_tet_search *search)
 {
-    char there[128] = "";
-    list_layouts(there, sizeof there);
     if (layout->search == BB_SEARCH_NONE)
-        return bb_fail(BB_UNSUPPORTED, "layout %s cannot be searched for tetrahedra: there are %s",
-                       layout->name, there);
+        return no_such_search(BB_UNSUPPORTED, "tetrahedra cannot be searched by layout",
+                              layout->name);
     *search = (bb_tet_search){
         .way = layout->search,
         .scene = scene,

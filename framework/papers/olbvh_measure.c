@@ -60,9 +60,10 @@ static bb_status render(const bb_reproduce_request *request, bb_scene *scene, co
     return bb_dvr_run(&dvr, scene, table);
 }
 
-/* Of what was rendered. */
-static void note_arrays(bb_findings *f, const char *scene)
+/* Of what was rendered last. */
+static void note_arrays(bb_findings *f)
 {
+    const char *scene = f->scenes[f->scene_count - 1]; /* as tables have it */
     for (int i = 0; i < BUILDERS; i++) {
         const bool lbvh = strcmp(builders[i], LBVH) == 0;
         const bb_cell tree = {{[BB_SCENE] = scene, [BB_BUILDER] = builders[i]}};
@@ -137,7 +138,7 @@ static bb_status measure_mesh(const bb_reproduce_request *request, const char *n
     if (status == BB_OK)
         status = render(request, scene, name, f[BB_OLBVH_RENDERING].table);
     if (status == BB_OK)
-        note_arrays(&f[BB_OLBVH_RENDERING], name);
+        note_arrays(&f[BB_OLBVH_RENDERING]);
     if (status == BB_OK)
         status = cut(request, scene, name, f[BB_OLBVH_SLICES].table);
     if (status == BB_OK)
@@ -175,8 +176,9 @@ bb_status bb_olbvh_measure(const bb_reproduce_request *request, bb_findings *f, 
             count++;
     for (uint32_t i = 0; i < count; i++)
         BB_TRY(measure_mesh(request, names[i], names[(i + 1) % count], f));
-    for (uint32_t i = 0; i < count; i++)
-        *wrong = *wrong || is_wrong(&f[BB_OLBVH_LOCATION], names[i]);
+    const bb_findings *located = &f[BB_OLBVH_LOCATION];
+    for (size_t i = 0; i < located->scene_count; i++)
+        *wrong = *wrong || is_wrong(located, located->scenes[i]);
     for (int task = 0; task < BB_OLBVH_LOCATION; task++)
         *wrong = *wrong || bb_outline_is_wrong(&bb_slice_outline, f[task].table);
     return BB_OK;

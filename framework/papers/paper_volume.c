@@ -200,7 +200,7 @@ static bb_status measure_sizes(const bb_reproduce_request *request, bb_findings 
                              (double)bb_host_limit() / (1 << 30));
         else
             status = picture(request, name, f, wrong);
-        if (status == BB_REFUSED && f->scene_count > (count > 0 ? 0u : 1u)) {
+        if (status == BB_REFUSED && count > 0) { /* else nothing was measured */
             snprintf(why, sizeof why, "%s", bb_message());
             if (strcmp(f->scenes[f->scene_count - 1], name) == 0)
                 free(f->scenes[--f->scene_count]);

@@ -46,19 +46,6 @@ typedef struct location {
 
 /* ---- points ---- */
 
-static double volume_of(const bb_scene *scene, uint32_t i)
-{
-    double e[3][3];
-    const uint32_t *corners = bb_scene_tet(scene, i);
-    for (int c = 0; c < 3; c++)
-        for (int k = 0; k < 3; k++)
-            e[c][k] = (double)scene->vertices[3 * (size_t)corners[c + 1] + (size_t)k] -
-                      (double)scene->vertices[3 * (size_t)corners[0] + (size_t)k];
-    return fabs(e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) -
-                e[0][1] * (e[1][0] * e[2][2] - e[1][2] * e[2][0]) +
-                e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]));
-}
-
 /* Evenly distributed in the tetrahedron: weights that are the gaps between three sorted numbers. */
 static void make_point(const bb_scene *scene, uint32_t tet, bb_random *random, float *point)
 {
@@ -87,15 +74,15 @@ static bb_status make_points(location *l)
     double all = 0, before = 0;
     uint32_t tet = 0;
     for (uint32_t i = 0; i < tets; i++)
-        all += volume_of(l->scene, i);
+        all += bb_mesh_volume_of(l->scene, i);
     if (!(all > 0 && isfinite(all)))
         return bb_fail(BB_UNSUPPORTED, "%s: its volume is %g: there are no points to locate",
                        l->scene->name, all);
     BB_TRY(bb_host_alloc(NULL, 3 * (size_t)count * sizeof *l->points, "points", &l->points));
     for (uint32_t i = 0; i < count; i++) {
         const double at = (i + bb_random_unit(&random)) / count * all;
-        while (tet + 1 < tets && before + volume_of(l->scene, tet) <= at)
-            before += volume_of(l->scene, tet++);
+        while (tet + 1 < tets && before + bb_mesh_volume_of(l->scene, tet) <= at)
+            before += bb_mesh_volume_of(l->scene, tet++);
         make_point(l->scene, tet, &random, l->points + 3 * (size_t)i);
     }
     return BB_OK;

@@ -52,6 +52,13 @@ static double shape_of(const bb_scene *scene, uint32_t i, double *volume)
     return isfinite(ratio) ? fmin(ratio, 1.0 / 3) : 0;
 }
 
+double bb_mesh_volume_of(const bb_scene *scene, uint32_t i)
+{
+    double volume;
+    (void)shape_of(scene, i, &volume);
+    return volume;
+}
+
 static int by_value(const void *a, const void *b)
 {
     const double x = *(const double *)a, y = *(const double *)b;

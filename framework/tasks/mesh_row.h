@@ -14,6 +14,9 @@ typedef struct bb_mesh_shape {
     double volume_ratio; /* NAN: none has a volume */
 } bb_mesh_shape;
 
+/* Of tetrahedron i, in the scene's units. */
+double bb_mesh_volume_of(const bb_scene *scene, uint32_t i);
+
 /* `scene` has tetrahedra. BB_REFUSED: no memory for the median, 8 bytes per tetrahedron. */
 bb_status bb_mesh_shape_of(const bb_scene *scene, bb_mesh_shape *shape);
 
