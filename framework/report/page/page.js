@@ -16,7 +16,7 @@ function head() {
        bad ? `${plural(bad, 'cell')} WRONG above the limit` : 'no cell above the limit for wrong answers'),
     (inexact ? `; ${plural(inexact, 'other cell')} with wrong answers (references, inexact, or within the limit)` : '') +
     (missing ? `; ${plural(missing, 'row')} without a result` : '') + (skipped ? `; ${skipped} skipped` : '') + '.');
-  $('answer').hidden = builds.length === 0; // a paper that compares no builds and rays
+  $('answer').hidden = $('summary').hidden = builds.length === 0; // a paper that compares no builds and rays
   for (const id of ['charts', 'traces']) $(id).hidden = $(id + '-link').hidden = traces.length === 0;
   const texts = {
     date: c.date && c.date.replace('T', ' ').replace('Z', ' UTC'),
