@@ -36,11 +36,14 @@ static cl_mem create_buffer(bb_device *device, size_t bytes, cl_int *error)
     madvise(pages, whole, MADV_HUGEPAGE); /* a hint: if it fails, only speed suffers */
     cl_mem mem = clCreateBuffer(device->context, CL_MEM_READ_WRITE | CL_MEM_USE_HOST_PTR, bytes,
                                 pages, error);
-    if (*error != CL_SUCCESS)
-        free(pages);
-    else
-        clSetMemObjectDestructorCallback(mem, free_host_pages, pages);
-    return mem;
+    if (*error == CL_SUCCESS) {
+        *error = clSetMemObjectDestructorCallback(mem, free_host_pages, pages);
+        if (*error == CL_SUCCESS)
+            return mem;
+        clReleaseMemObject(mem);
+    }
+    free(pages);
+    return NULL;
 }
 
 /* What bounds the device's memory: its own size, or what this process may use. */
