@@ -1,53 +1,80 @@
 #!/usr/bin/env bash
-# A kernel that is really slowed down, by 5 % or what is given, is found by `compare --run`, and nothing else is:
-#   planted.sh BVHBENCH FOLDER [PERCENT] [PAIRS] [ARGUMENTS OF RUN...]
-# The loop in the kernel is calibrated first, with a slowdown that is plain to see. Takes minutes, needs jq, and is for a machine that
-# does little else: not a part of `ctest`.
+# A kernel, a build and a layout that are really slowed down, by 5 % or what is given, are found by `compare --run`, and nothing else:
+#   planted.sh BVHBENCH FOLDER [PERCENT] [PAIRS] [TRIALS] [ARGUMENTS OF RUN...]
+# Empty loops slow them down; how long these must be is calibrated first, with slowdowns that are plain to see. Each of TRIALS (1) is a
+# comparison of its own. Takes minutes, needs jq, and is for a machine that does little else: not a part of `ctest`.
 set -euo pipefail
-program=$(realpath "$1") folder=$2 percent=${3:-5} pairs=${4:-20}
+program=$(realpath "$1") folder=$2 percent=${3:-5} pairs=${4:-20} trials=${5:-1}
 source=$(cd "$(dirname "$0")/../.." && pwd)
-arguments=("${@:5}")
-[ ${#arguments[@]} -gt 0 ] || arguments=(--scene sphere-mesh:n=60 --builder lbvh,sah,llbvh,emc --kernel stack,stack8
+arguments=("${@:6}")
+[ ${#arguments[@]} -gt 0 ] || arguments=(--scene sphere-mesh:n=60 --builder lbvh,sah --kernel stack,stack8
     --rays primary,random:count=40000 --size 256x256 --repeats 6)
 mkdir -p "$folder"
 folder=$(cd "$folder" && pwd)
 
-# slowed NAME TURNS: a program whose kernel `stack` does so many turns of nothing at each sixteenth node.
+# plant FILE TURNS AFTER WHEN: copies a file of device code, with a loop of so many turns after a text in it, where the condition holds.
+plant() {
+    local copy=$kernels/${1##*/}
+    sed "s|$3|& if ($4) for (volatile uint turn = 0; turn < $2; turn++) ;|" "$source/$1" >"$copy"
+    grep -q 'volatile uint turn' "$copy" || { echo "$1 is not as expected"; exit 1; }
+}
+
+# slowed NAME KERNEL BUILD LAYOUT: a program with loops of so many turns in the kernel `stack`, at each sixteenth node; in the build of
+# `lbvh`, for each eight primitives; in the layout `pair`, at each node.
 slowed() {
-    mkdir -p "$folder/kernels-$1"
-    sed "s|search->boxes += 2;|search->boxes += 2; if ((search->boxes \& 31) == 0) for (volatile uint turn = 0; turn < $2; turn++) ;|" \
-        "$source/kernels/stack.cl" >"$folder/kernels-$1/stack.cl"
-    grep -q 'volatile uint turn' "$folder/kernels-$1/stack.cl" || { echo "stack.cl is not as expected"; exit 1; }
-    printf '#!/bin/sh\nexec "%s" "$@" --kernels-from "%s"\n' "$program" "$folder/kernels-$1" >"$folder/$1"
+    local kernels=$folder/kernels-$1
+    mkdir -p "$kernels"
+    plant kernels/stack.cl "$2" 'search->boxes += 2;' '(search->boxes \& 31) == 0'
+    plant builders/common/codes.cl "$3" 'uint i = get_global_id(0) \* BB_CODE_LANES;' true
+    plant kernels/layout_pair.cl "$4" 'uint children = base\[n + 1\] - base\[n\] + 1u;' true
+    printf '#!/bin/sh\nexec "%s" "$@" --kernels-from "%s"\n' "$program" "$kernels" >"$folder/$1"
     chmod +x "$folder/$1"
 }
 
-# The median ratio of the cells that the kernel traces, of all pairs.
+# ratio_of RUNS ROWS: the median ratio of times, after to before, of all pairs. ROWS: a jq filter that gives {key, value} of each time.
 ratio_of() {
     for pair in "$folder/$1"/[1-9]*-after; do
         jq -n --slurpfile a "${pair%after}before/results.json" --slurpfile b "$pair/results.json" '
             def median: sort | .[(length - 1) / 2 | floor];
-            def times: [.rows[] | select(.kernel == "stack" and .cell) | {key: .cell, value: (.ms[1:] | median)}] | from_entries;
+            def times: [.rows[] | '"$2"' | .value |= (.[1:] | median)] | from_entries;
             ($a[0] | times) as $x | ($b[0] | times) as $y | $x | keys[] | $y[.] / $x[.]'
     done | sort -g | awk '{ v[NR] = $1 } END { print v[int((NR + 1) / 2)] }'
 }
+kernel='select(.kernel == "stack" and .ms) | {key: .cell, value: .ms}'
+build='select(.builder == "lbvh" and .build_ms) | {key: .cell, value: .build_ms}'
+layout='select(.layout == "pair" and .layout_ms) | {key: (.builder + .cell), value: .layout_ms}'
 
-slowed none 0
-slowed plain 40
-echo "calibrating: 40 turns"
+# turns_of PLAIN ROWS: so many turns as slow these times by $percent, of PLAIN turns in the calibration.
+turns_of() {
+    awk -v r="$(ratio_of calibration "$2")" -v p="$percent" -v n="$1" 'BEGIN { printf "%d", n * p / 100 / (r - 1) + 0.5 }'
+}
+
+slowed none 0 0 0
+slowed plain 40 80 40
+echo "calibrating"
 "$program" compare --run "$folder/none" "$folder/plain" --rounds 9 --quiet --out "$folder/calibration" -- "${arguments[@]}" \
     >"$folder/calibration.txt" || true
-plain=$(ratio_of calibration)
-turns=$(awk -v r="$plain" -v p="$percent" 'BEGIN { printf "%d", 40 * p / 100 / (r - 1) + 0.5 }')
-echo "40 turns: $plain times as long; $turns turns for $percent %"
-[ "$turns" -ge 1 ] || { echo "one turn is more than $percent %"; exit 1; }
-slowed planted "$turns"
-status=0
-"$program" compare --run "$folder/none" "$folder/planted" --rounds "$pairs" --quiet --out "$folder/planted-runs" -- "${arguments[@]}" |
-    tee "$folder/planted.txt" || status=$?
-echo "as measured: $(ratio_of planted-runs) times as long"
-sed -n '/^worse/,/^$/p' "$folder/planted.txt" >"$folder/worse.txt"
-right=$(grep -c 'kernel=stack\(/\|$\| \)' "$folder/worse.txt" || true)
-all=$(grep -c 'scene=' "$folder/worse.txt" || true)
-echo "worse: $all, of which $right are the slowed kernel's"
-[ "$status" -eq 1 ] && [ "$right" -ge 1 ] && [ "$right" -eq "$all" ]
+turns=("$(turns_of 40 "$kernel")" "$(turns_of 80 "$build")" "$(turns_of 40 "$layout")")
+echo "for $percent %: ${turns[0]} turns in the kernel, ${turns[1]} in the build, ${turns[2]} in the layout"
+for n in "${turns[@]}"; do
+    [ "$n" -ge 1 ] || { echo "one turn is more than $percent %"; exit 1; }
+done
+slowed planted "${turns[@]}"
+failed=0
+for trial in $(seq "$trials"); do
+    status=0 runs=planted-runs-$trial
+    "$program" compare --run "$folder/none" "$folder/planted" --rounds "$pairs" --quiet --out "$folder/$runs" -- "${arguments[@]}" \
+        >"$folder/$runs.txt" || status=$?
+    sed -n '/^worse/,/^$/p' "$folder/$runs.txt" | grep 'scene=' >"$folder/worse.txt" || true
+    all=$(wc -l <"$folder/worse.txt")
+    kernels=$(grep -c 'kernel=stack\(/\|$\| \)' "$folder/worse.txt" || true)
+    layouts=$(grep -c 'layout=pair' "$folder/worse.txt" || true)
+    builds=$(grep -v 'layout=\|kernel=' "$folder/worse.txt" | grep -c 'builder=lbvh' || true)
+    echo "trial $trial: kernel $(ratio_of "$runs" "$kernel"), build $(ratio_of "$runs" "$build"), layout $(ratio_of "$runs" "$layout")" \
+        "times as long; found worse: $kernels traces, $builds builds, $layouts layouts, $((all - kernels - builds - layouts)) others"
+    [ "$status" -eq 1 ] && [ "$kernels" -ge 1 ] && [ "$builds" -ge 1 ] && [ "$layouts" -ge 1 ] &&
+        [ $((kernels + builds + layouts)) -eq "$all" ] || failed=$((failed + 1))
+    rm -rf "${folder:?}/$runs"
+done
+echo "$((trials - failed)) of $trials trials found all three and nothing else"
+[ "$failed" -eq 0 ]
