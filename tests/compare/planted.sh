@@ -42,23 +42,27 @@ ratio_of() {
 }
 kernel='select(.kernel == "stack" and .ms) | {key: .cell, value: .ms}'
 build='select(.builder == "lbvh" and .build_ms) | {key: .cell, value: .build_ms}'
-layout='select(.layout == "pair" and .layout_ms) | {key: (.builder + .cell), value: .layout_ms}'
+layout='select(.maker == "pair" and .layout_ms) | {key: .builder, value: .layout_ms}'
 
-# turns_of PLAIN ROWS: so many turns as slow these times by $percent, of PLAIN turns in the calibration.
-turns_of() {
-    awk -v r="$(ratio_of calibration "$2")" -v p="$percent" -v n="$1" 'BEGIN { printf "%d", n * p / 100 / (r - 1) + 0.5 }'
+# calibrate KERNEL BUILD LAYOUT: measures with so many turns, then sets `turns` to as many as slow each time by $percent. What a loop takes
+# does not grow with its turns alone, so the second calibration begins near its end.
+calibrate() {
+    local i name=calibration-$1-$2-$3 plain=("$@") rows=("$kernel" "$build" "$layout")
+    slowed "$name" "$@"
+    "$program" compare --run "$folder/none" "$folder/$name" --rounds 15 --quiet --out "$folder/$name-runs" -- "${arguments[@]}" \
+        >"$folder/$name.txt" || true
+    for i in 0 1 2; do
+        turns[i]=$(awk -v r="$(ratio_of "$name-runs" "${rows[i]}")" -v p="$percent" -v n="${plain[i]}" \
+            'BEGIN { printf "%d", n * p / 100 / (r - 1) + 0.5 }')
+        [ "${turns[i]}" -ge 1 ] || { echo "${plain[i]} turns make no difference, or one makes more than $percent %"; exit 1; }
+    done
+    echo "for $percent %: ${turns[0]} turns in the kernel, ${turns[1]} in the build, ${turns[2]} in the layout"
 }
 
 slowed none 0 0 0
-slowed plain 40 80 40
-echo "calibrating"
-"$program" compare --run "$folder/none" "$folder/plain" --rounds 9 --quiet --out "$folder/calibration" -- "${arguments[@]}" \
-    >"$folder/calibration.txt" || true
-turns=("$(turns_of 40 "$kernel")" "$(turns_of 80 "$build")" "$(turns_of 40 "$layout")")
-echo "for $percent %: ${turns[0]} turns in the kernel, ${turns[1]} in the build, ${turns[2]} in the layout"
-for n in "${turns[@]}"; do
-    [ "$n" -ge 1 ] || { echo "one turn is more than $percent %"; exit 1; }
-done
+turns=()
+calibrate 400 800 400
+calibrate "${turns[@]}"
 slowed planted "${turns[@]}"
 failed=0
 for trial in $(seq "$trials"); do
