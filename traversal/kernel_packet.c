@@ -1,0 +1,26 @@
+/* The packet kernel: kernels/packet.cl on pair nodes. */
+#include "traversal/traversal.h"
+
+static const bb_option options[] = {
+    {"rays", "8", "8|16", "rays of a packet"},
+    {"few", "2", "0|1|2|3|4|5|6|8", "rays left in a packet that are traced one by one"},
+    {.name = NULL},
+};
+
+static const bb_variants variants[] = {
+    {.devices = 0},
+};
+
+const bb_kernel bb_kernel_packet = {
+    .name = "packet",
+    .summary = "packets of rays side by side, bounded by intervals: for CPUs",
+    .paper = "Wald et al. 2001; Boulos et al. 2006; Benthin et al. 2012",
+    .layout = "pair",
+    .source = "packet.cl",
+    .defines = "-DBB_WIDTH=2",
+    .queries = BB_ALONG_RAYS,
+    .ordered = true,
+    .batched = true,
+    .options = options,
+    .variants = variants,
+};
