@@ -4,6 +4,7 @@
 static const bb_option options[] = {
     {"rays", "8", "8|16", "rays of a packet"},
     {"few", "2", "0|1|2|3|4|5|6|8", "rays left in a packet that are traced one by one"},
+    {"sort", "no", "no|batch", "rays of one octant and main axis in a group go together"},
     {.name = NULL},
 };
 
