@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# A kernel, a build and a layout that are really slowed down, by 5 % or what is given, are found by `compare --run`, and nothing else:
+# Does `compare --run` find a kernel, a build and a layout that are really slowed down, by 5 % or what is given, and nothing else?
 #   planted.sh BVHBENCH FOLDER [PERCENT] [PAIRS] [TRIALS] [ARGUMENTS OF RUN...]
 # Empty loops slow them down; how long these must be is calibrated first, with slowdowns that are plain to see. Each of TRIALS (1) is a
-# comparison of its own. Takes minutes, needs jq, and is for a machine that does little else: not a part of `ctest`.
+# comparison of its own. Exit status 1 if one does not find all three. Takes minutes, needs jq, and is for a machine that does little else: not a part of `ctest`.
 set -euo pipefail
 program=$(realpath "$1") folder=$2 percent=${3:-5} pairs=${4:-20} trials=${5:-1}
 source=$(cd "$(dirname "$0")/../.." && pwd)
@@ -71,13 +71,13 @@ for trial in $(seq "$trials"); do
         >"$folder/$runs.txt" || status=$?
     sed -n '/^worse/,/^$/p' "$folder/$runs.txt" | grep 'scene=' >"$folder/worse.txt" || true
     all=$(wc -l <"$folder/worse.txt")
-    kernels=$(grep -c 'kernel=stack\(/\|$\| \)' "$folder/worse.txt" || true)
+    traces=$(grep -c 'kernel=stack\(/\|$\| \)' "$folder/worse.txt" || true)
     layouts=$(grep -c 'layout=pair' "$folder/worse.txt" || true)
     builds=$(grep -v 'layout=\|kernel=' "$folder/worse.txt" | grep -c 'builder=lbvh' || true)
     echo "trial $trial: kernel $(ratio_of "$runs" "$kernel"), build $(ratio_of "$runs" "$build"), layout $(ratio_of "$runs" "$layout")" \
-        "times as long; found worse: $kernels traces, $builds builds, $layouts layouts, $((all - kernels - builds - layouts)) others"
-    [ "$status" -eq 1 ] && [ "$kernels" -ge 1 ] && [ "$builds" -ge 1 ] && [ "$layouts" -ge 1 ] &&
-        [ $((kernels + builds + layouts)) -eq "$all" ] || failed=$((failed + 1))
+        "times as long; found worse: $traces traces, $builds builds, $layouts layouts, $((all - traces - builds - layouts)) others"
+    [ "$status" -eq 1 ] && [ "$traces" -ge 1 ] && [ "$builds" -ge 1 ] && [ "$layouts" -ge 1 ] &&
+        [ $((traces + builds + layouts)) -eq "$all" ] || failed=$((failed + 1))
     rm -rf "${folder:?}/$runs"
 done
 echo "$((trials - failed)) of $trials trials found all three and nothing else"
