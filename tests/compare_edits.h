@@ -29,13 +29,13 @@ static inline void scale_metric(bb_results *results, bb_entry *build, const char
     put_metric(results, build, name, factor * metric_of(build, name));
 }
 
-static inline void scale_ms(bb_entry *trace, double factor)
+static inline void scale_ms(bb_entry *entry, bb_field_id field, double factor)
 {
     bb_samples rounds;
-    assert_true(bb_get_samples(trace, BB_F_TRACE_MS, &rounds));
+    assert_true(bb_get_samples(entry, field, &rounds));
     for (uint32_t i = 0; i < rounds.count; i++)
         rounds.values[i] *= factor;
-    bb_put_rounds(trace, BB_F_TRACE_MS, &rounds);
+    bb_put_rounds(entry, field, &rounds);
 }
 
 /* Takes away all figures of a part of the entry. */
@@ -70,6 +70,10 @@ static inline void edit_layout_sah(bb_results *r)
 {
     scale(bb_results_part(r, build_at(r, 3), "pair:leaf=4"), BB_F_BUILD_LAYOUTS_SAH, 1 + 1e-12);
 }
+static inline void edit_layout_slower(bb_results *r)
+{
+    scale_ms(bb_results_part(r, build_at(r, 3), "pair:leaf=4"), BB_F_BUILD_LAYOUTS_MS, 1.5);
+}
 static inline void edit_nodes(bb_results *r)
 {
     scale(build_at(r, 3), BB_F_TREE_NODES, 1.5);
@@ -93,18 +97,18 @@ static inline void edit_failed(bb_results *r)
 }
 static inline void edit_slower(bb_results *r)
 {
-    scale_ms(trace_at(r, 5), 1.5);
+    scale_ms(trace_at(r, 5), BB_F_TRACE_MS, 1.5);
 }
 static inline void edit_faster(bb_results *r)
 {
-    scale_ms(trace_at(r, 5), 0.5);
+    scale_ms(trace_at(r, 5), BB_F_TRACE_MS, 0.5);
 }
 static inline void edit_slower_reference(bb_results *r)
 {
     bb_entry *trace = trace_at(r, 0);
     while (!bb_get_true(trace, BB_F_TRACE_REFERENCE))
         trace = trace->next;
-    scale_ms(trace, 1.5);
+    scale_ms(trace, BB_F_TRACE_MS, 1.5);
 }
 static inline void edit_slower_elsewhere(bb_results *r)
 {
@@ -119,7 +123,7 @@ static inline void edit_slower_host(bb_results *r)
 static inline void edit_rays(bb_results *r)
 {
     bb_put_text(trace_at(r, 5), BB_F_TRACE_RAYS_HASH, "0123");
-    scale_ms(trace_at(r, 5), 1.5);
+    scale_ms(trace_at(r, 5), BB_F_TRACE_MS, 1.5);
     scale(trace_at(r, 5), BB_F_TRACE_NODE_TESTS, 1.5);
 }
 static inline void edit_cut_rounds(bb_results *r)
@@ -223,16 +227,29 @@ static inline void edit_all_failed(bb_results *r)
     put_in_all(r, BB_TRACES, BB_F_TRACE_STATUS, "failed");
 }
 
-/* Each build has as many rounds as an interval needs, and more. */
+/* As if the program knew none of the parameters that have defaults. */
+static inline void edit_short_keys(bb_results *r)
+{
+    static const bb_section_id sections[] = {BB_BUILDS, BB_TRACES};
+    for (int s = 0; s < 2; s++)
+        for (bb_entry *e = entry_at(r, sections[s], 0); e != NULL; e = e->next) {
+            char key[BB_CELL_KEY];
+            bb_cell_key_short(bb_get_text(e, BB_F_TRACE_CELL), key);
+            bb_put_text(e, BB_F_TRACE_CELL, key);
+        }
+}
+
+/* Each build and layout has as many rounds as an interval needs, and more. */
 static inline void edit_many_rounds(bb_results *r)
 {
-    bb_each(build, bb_results_section(r, BB_BUILDS))
-    {
-        bb_samples rounds = {0};
-        for (int i = 0; i < 10; i++)
-            bb_samples_add(&rounds, 10 + 0.01 * i);
-        bb_put_rounds(&(bb_entry){.table = build->table, .row = build->row}, BB_F_BUILD_MS,
-                      &rounds);
+    bb_samples rounds = {0};
+    for (int i = 0; i < 10; i++)
+        bb_samples_add(&rounds, 10 + 0.01 * i);
+    for (bb_entry *build = entry_at(r, BB_BUILDS, 0); build != NULL; build = build->next) {
+        bb_put_rounds(build, BB_F_BUILD_MS, &rounds);
+        bb_each_part(layout, build, BB_F_BUILD_LAYOUTS_MS)
+            bb_put_rounds(&(bb_entry){.table = layout->table, .row = layout->row},
+                          BB_F_BUILD_LAYOUTS_MS, &rounds);
     }
 }
 

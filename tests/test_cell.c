@@ -279,6 +279,32 @@ static void a_cell_has_one_key(void **state)
                      "scene=cube:oops=1/seed=1/builder=sah:bins=8,oops=2");
 }
 
+/* Suffixes of compared cells stay, whatever a key's program did not know yet. */
+static void a_compared_key_keeps_its_suffixes(void **state)
+{
+    (void)state;
+    static const char *const suffixes[] = {"", "/layout=wide8:leaf=4", "/run=2",
+                                           "/layout=pair/run=12"};
+    char key[BB_CELL_KEY], given[200], wanted[200];
+    for (size_t i = 0; i < sizeof suffixes / sizeof suffixes[0]; i++) {
+        snprintf(given, sizeof given, "scene=cube/seed=1/builder=sah:bins=8%s", suffixes[i]);
+        snprintf(wanted, sizeof wanted,
+                 "scene=cube/seed=1/builder=sah:method=binned,bins=8,leaf=1%s", suffixes[i]);
+        bb_cell_key_canonical(given, key);
+        assert_string_equal(key, wanted);
+        bb_cell_key_short(wanted, key);
+        assert_string_equal(key, given);
+        snprintf(given, sizeof given, "no key%s", suffixes[i]);
+        bb_cell_key_canonical(given, key);
+        assert_string_equal(key, given);
+    }
+    /* defaults may make a key too long: it stays */
+    char longest[BB_CELL_KEY] = "scene=cube/seed=1/builder=sah/layout=";
+    memset(longest + strlen(longest), 'x', BB_CELL_KEY - 1 - strlen(longest));
+    bb_cell_key_canonical(longest, key);
+    assert_string_equal(key, longest);
+}
+
 /* A file that is called as a generator is the file. */
 static void a_file_keeps_its_path(void **state)
 {
@@ -354,6 +380,7 @@ int main(void)
         cmocka_unit_test(pipelines_have_one_spelling),
         cmocka_unit_test(what_is_no_key_is_refused),
         cmocka_unit_test(a_cell_has_one_key),
+        cmocka_unit_test(a_compared_key_keeps_its_suffixes),
         cmocka_unit_test(a_file_keeps_its_path),
         cmocka_unit_test(short_names_mean_the_same),
         cmocka_unit_test(parts_are_found),

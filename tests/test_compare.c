@@ -38,7 +38,8 @@ static void what_moved_and_what_is_worse(void **state)
         {edit_nothing, 0, 0, "nothing is worse"},
         {edit_sah, 1, 1, " sah "},
         {edit_sah_better, 0, 1, "\nbetter: 1\n"},
-        {edit_layout_sah, 1, 1, "layout_sah pair:leaf=4"},
+        {edit_layout_sah, 1, 1, "/layout=pair:leaf=4 layout_sah "},
+        {edit_layout_slower, 1, 1, "/layout=pair:leaf=4 layout ms "},
         {edit_nodes, 0, 1, "\nchanged: 1\n"},
         {edit_bytes, 1, 1, "bytes_peak"},
         {edit_tests, 1, 1, "node_tests_per_ray"},
@@ -51,6 +52,7 @@ static void what_moved_and_what_is_worse(void **state)
         {edit_slower_host, 1, 1, "WARNING: other hosts"},
         {edit_rays, 0, 0, "WARNING: 1 cells are not compared: their scene or their rays"},
         {edit_cut_rounds, 0, 0, "fewer than 6 rounds have no interval"},
+        {edit_short_keys, 0, 0, "- 258 cells in both;"},
         {edit_gone, 0, 0, "1 cells are in OLD only"},
         {edit_twice, 0, 0, "WARNING: 1 cells are left out: their keys occur twice"},
         {edit_seed, 0, 0, "another seed: 1234567890123456789, 7"},
@@ -170,8 +172,8 @@ static void edit_much(bb_results *r)
     edit_sah(r);
     edit_slower(r);
     edit_nodes(r);
-    scale_ms(trace_at(r, 20), 2);
-    scale_ms(trace_at(r, 30), 0.4);
+    scale_ms(trace_at(r, 20), BB_F_TRACE_MS, 2);
+    scale_ms(trace_at(r, 30), BB_F_TRACE_MS, 0.4);
     edit_gone(r); /* number 5: only 20 and 30 are left of the times */
     bb_put_text(build_at(r, 4), BB_F_BUILD_CELL, "odd|`key`\033[31m");
 }
@@ -187,7 +189,7 @@ static void worst_comes_first_and_markdown_holds(void **state)
     assert_int_equal(r.moves[2].verdict, BB_BETTER);
     assert_int_equal(r.moves[3].verdict, BB_CHANGED);
     assert_true(
-        strncmp(text, "# bvhbench compare: 2 figures are worse, 2 cells are missing\n", 61) == 0);
+        strncmp(text, "# bvhbench compare: 2 figures are worse, 4 cells are missing\n", 61) == 0);
     assert_non_null(strstr(text, "\n## worse: 2\n"));
     assert_true(r.sight_count > 0 && bb_compare_blind(&r, 0) == r.sight_count);
     assert_int_equal(bb_compare_blind(&r, INFINITY), 0);
@@ -311,9 +313,9 @@ static void any_pair_that_counts_decides(void **state)
 static void senses_of_figures(void **state)
 {
     (void)state;
-    static const char *const costs[] = {"sah",       "layout_sah pair",    "bytes_tree",
-                                        "missed",    "prim_tests_per_ray", "wrong_t",
-                                        "overflowed"};
+    static const char *const costs[] = {"sah",        "layout_sah", "layout_bytes",
+                                        "bytes_tree", "missed",     "prim_tests_per_ray",
+                                        "wrong_t",    "overflowed"};
     static const char *const neutral[] = {"nodes", "depth",     "count",
                                           "prims", "t_ulp_max", "no such figure"};
     bb_cell_set set;

@@ -142,7 +142,7 @@ static void revisions_are_compared(void **state)
     write_document("a.json", edit_nothing, 1);
     expect(0, "compare --history bench.db abab a.json", "in both");
     expect(0, "report --history bench.db --out history.html",
-           "dddd444444444  2024-01-04T00:00:00Z     1    228      1       0          0        0\n");
+           "dddd444444444  2024-01-04T00:00:00Z     1    258      1       0          0        0\n");
     refuses("", "report --history bench.db a.json", "a report of its own");
     refuses("", "report --history bench.db --csv", "do not go together");
     refuses("", "report --history nowhere.db", "cannot open it");
@@ -164,9 +164,9 @@ static void a_page_never_replaces_its_database(void **state)
     refuses("", "report --history kept.db --out hard.db", "would overwrite the database");
     refuses("", "report --history soft.db --out kept.db", "would overwrite the database");
     expect(0, "report --history kept.db --out other.html",
-           "dddd444444444  2024-01-04T00:00:00Z     1    228      1       0          0        0\n");
+           "dddd444444444  2024-01-04T00:00:00Z     1    258      1       0          0        0\n");
     expect(0, "report --history page.html --out page2.html",
-           "dddd444444444  2024-01-04T00:00:00Z     1    228      1       0          0        0\n");
+           "dddd444444444  2024-01-04T00:00:00Z     1    258      1       0          0        0\n");
 }
 
 /* Programs that run at once: they hand out a file, with a bit of noise by turns. */

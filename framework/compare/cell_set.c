@@ -22,9 +22,13 @@ bb_status bb_cell_set_add(bb_cell_set *set, const char *key, bb_measured **cell)
         set->cells = grown;
         set->capacity = capacity;
     }
+    char canonical[BB_CELL_KEY];
+    const bool fits = strlen(key) < BB_CELL_KEY;
+    if (fits)
+        bb_cell_key_canonical(key, canonical);
     *cell = &set->cells[set->count];
     memset(*cell, 0, sizeof **cell);
-    (*cell)->key = strdup(key);
+    (*cell)->key = strdup(fits ? canonical : key);
     if ((*cell)->key == NULL)
         return no_memory();
     set->count++;
@@ -165,11 +169,20 @@ static bb_status add_cell(const source *s, const char *key, const char *timed, c
     return BB_OK;
 }
 
+static bb_status end_key(bb_key_writer *w)
+{
+    w->key[w->length] = '\0';
+    return !w->full ? BB_OK
+                    : bb_fail(BB_INVALID, "cell '%.60s...': its key has more than %d bytes", w->key,
+                              BB_CELL_KEY - 1);
+}
+
 /* ---- rows of `run`, which have keys ---- */
 
 static const bb_field_id of_builds[] = {BB_F_TREE_NODES,     BB_F_TREE_LEAVES, BB_F_TREE_REFS,
                                         BB_F_TREE_ARITY,     BB_F_TREE_DEPTH,  BB_F_TREE_BYTES,
                                         BB_F_TREE_BYTES_PEAK};
+static const bb_field_id of_layouts[] = {BB_F_BUILD_LAYOUTS_SAH, BB_F_BUILD_LAYOUTS_BYTES};
 static const bb_field_id of_traces[] = {
     BB_F_TRACE_COUNT,         BB_F_TRACE_STACK,        BB_F_TRACE_NODE_TESTS,
     BB_F_TRACE_PRIM_TESTS,    BB_F_TRACE_UNLIKE,       BB_F_ACCURACY_MISSED,
@@ -212,31 +225,44 @@ static bb_status add_trace(const source *s, const char *key)
     return add_fields(s, s->row, of_traces, sizeof of_traces / sizeof of_traces[0], cell);
 }
 
-/* Adds the cost of a layout as traced to the cell of its build, which stands before it. */
-static bb_status add_layout(const source *s)
+/* A layout's cell has the key of its build with the layout's name behind it. */
+static bb_status add_layout(const source *s, uint32_t build)
 {
-    char name[BB_FIGURE_NAME];
-    const char *column = bb_fields[BB_F_BUILD_LAYOUTS_SAH].name;
-    bb_cell build = bb_table_cell(s->table, s->row);
-    snprintf(name, sizeof name, "%s %.60s", column, build.names[BB_MAKER]);
-    build.names[BB_MAKER] = NULL;
-    const uint32_t row = bb_table_find(s->table, build);
-    uint32_t i = s->set->count;
-    while (i > 0 && s->set->cells[i - 1].place > row)
-        i--;
-    return i > 0 && s->set->cells[i - 1].place == row
-               ? add_number(s, s->row, column, name, BB_BETTER_LESS, &s->set->cells[i - 1])
-               : BB_OK; /* nobody measured the build */
+    bb_measured *cell;
+    char key[BB_CELL_KEY];
+    const char *key_of_build = text_of(s, build, BB_F_BUILD_CELL);
+    bb_key_writer w = {.key = key, .length = strnlen(key_of_build, BB_CELL_KEY - 1)};
+    memcpy(key, key_of_build, w.length);
+    bb_key_put(&w, "layout", bb_table_name(s->table, s->row, BB_MAKER));
+    BB_TRY(end_key(&w));
+    BB_TRY(add_cell(s, key, bb_fields[BB_F_BUILD_LAYOUTS_MS].name, "layout ms", &cell));
+    copy(cell->status, sizeof cell->status, text_of(s, build, BB_F_BUILD_STATUS));
+    return add_fields(s, s->row, of_layouts, sizeof of_layouts / sizeof of_layouts[0], cell);
 }
 
-/* A build without a key is of another program's tree, and an unmeasured one is another shard's. */
+static bool is_layout(const source *s)
+{
+    return bb_table_get_rounds(s->table, s->row, bb_fields[BB_F_BUILD_LAYOUTS_MS].name) != NULL;
+}
+
+static uint32_t build_of(const source *s)
+{
+    bb_cell build = bb_table_cell(s->table, s->row);
+    build.names[BB_MAKER] = NULL;
+    return bb_table_find(s->table, build);
+}
+
+/* Rows with a maker are parts of a build, of which only layouts are cells. A build without a key is
+ * of another program's tree, and an unmeasured one is another shard's. */
 static bb_status add_row_of_run(const source *s)
 {
-    const char *key = text_of(s, s->row, BB_F_TRACE_CELL);
-    if (bb_table_name(s->table, s->row, BB_MAKER)[0] != '\0')
-        return add_layout(s);
-    if (key[0] == '\0' || strcmp(text_of(s, s->row, BB_F_BUILD_UNMEASURED), "yes") == 0)
+    const bool part = bb_table_name(s->table, s->row, BB_MAKER)[0] != '\0';
+    const uint32_t row = part ? build_of(s) : s->row;
+    const char *key = row != BB_NO_ROW ? text_of(s, row, BB_F_TRACE_CELL) : "";
+    if (key[0] == '\0' || strcmp(text_of(s, row, BB_F_BUILD_UNMEASURED), "yes") == 0)
         return BB_OK;
+    if (part)
+        return is_layout(s) ? add_layout(s, row) : BB_OK;
     return bb_table_name(s->table, s->row, BB_QUESTION)[0] != '\0' ? add_trace(s, key)
                                                                    : add_build(s, key);
 }
@@ -251,10 +277,7 @@ static bb_status write_key(const source *s, const bb_column *time, char key[BB_C
     for (int d = BB_RUN + 1; d < BB_DIMENSIONS; d++)
         bb_key_put(&w, bb_dimension_names[d], bb_table_name(s->table, s->row, (bb_dimension)d));
     bb_key_put(&w, "time", time != NULL ? time->name : "");
-    key[w.length] = '\0';
-    return !w.full ? BB_OK
-                   : bb_fail(BB_INVALID, "cell '%.60s...': its key has more than %d bytes", key,
-                             BB_CELL_KEY - 1);
+    return end_key(&w);
 }
 
 /* Adds a cell for each column of rounds in which less is better. */

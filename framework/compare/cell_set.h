@@ -9,8 +9,7 @@
 
 enum { BB_FIGURE_NAME = 112 };
 
-/* A figure that does not depend on a clock. Its name is that of the result file; for a layout, the
- * names of field and layout: "layout_sah pair:leaf=4". */
+/* A figure that does not depend on a clock. Its name is that of the result file. */
 typedef struct bb_exact_figure {
     char name[BB_FIGURE_NAME];
     bb_better better;
@@ -55,15 +54,17 @@ typedef struct bb_cell_set {
 } bb_cell_set;
 
 /* Takes all rows of a table, which messages call `what`. A build or trace of `run` becomes a cell
- * with the key that it has. Of other commands a row becomes a cell with its exact numbers, and one
- * more cell for each column of rounds in which less is better. Keys are made of command and names
- * then, "command=slice/scene=tets/builder=lbvh", and for rounds also of the column,
- * ".../time=build_ms". Keys of a merged table's further runs end with the number of their run,
- * ".../run=1". Of the texts, only "status" and the scene's "hash" are taken. BB_INVALID if a run is
- * no number. Release with bb_cell_set_free(), also after a failure. */
+ * with the key that it has, a layout one with the key of its build and "/layout=pair". Of other
+ * commands a row becomes a cell with its exact numbers, and one more cell for each column of rounds
+ * in which less is better. Keys are made of command and names then,
+ * "command=slice/scene=tets/builder=lbvh", and for rounds also of the column, ".../time=build_ms".
+ * Keys of a merged table's further runs end with the number of their run, ".../run=1". Of the
+ * texts, only "status" and the scene's "hash" are taken. BB_INVALID if a run is no number, or a key too
+ * long. Release with bb_cell_set_free(), also after a failure. */
 bb_status bb_cell_set_of_table(const bb_table *table, const char *what, bb_cell_set *set);
 
-/* Appends an empty cell with this key. `*cell` is valid until the next call. */
+/* Appends an empty cell with this key, made canonical: a parameter that the key's program did not
+ * have yet gets its default here. `*cell` is valid until the next call. */
 bb_status bb_cell_set_add(bb_cell_set *set, const char *key, bb_measured **cell);
 bb_status bb_measured_add_figure(bb_measured *cell, const char *name, bb_better better,
                                  double value);

@@ -2,8 +2,9 @@
 
 #include <string.h>
 
-static const bb_field_id costs[] = {BB_F_TREE_BYTES, BB_F_TREE_BYTES_PEAK, BB_F_TRACE_NODE_TESTS,
-                                    BB_F_TRACE_PRIM_TESTS};
+static const bb_field_id costs[] = {BB_F_TREE_BYTES,        BB_F_TREE_BYTES_PEAK,
+                                    BB_F_BUILD_LAYOUTS_SAH, BB_F_BUILD_LAYOUTS_BYTES,
+                                    BB_F_TRACE_NODE_TESTS,  BB_F_TRACE_PRIM_TESTS};
 static const bb_field_id wrongs[] = {BB_F_TRACE_UNLIKE,       BB_F_ACCURACY_MISSED,
                                      BB_F_ACCURACY_FALSE,     BB_F_ACCURACY_WRONG_T,
                                      BB_F_ACCURACY_UNWRITTEN, BB_F_ACCURACY_OVERFLOWED};

@@ -38,8 +38,10 @@
 
 enum { BB_CELL_TEXT = 1024, BB_CELL_KEY = 4096 };
 
-/* Ends a key where cells of several runs stand beside each other: before the number of the run. It
- * is no part of the grammar, since no run can measure it again. */
+/* Suffixes of keys where cells are compared. They are no parts of the grammar, since no run
+ * measures such a cell by itself. A layout, whose name follows the key of its build, is made when something
+ * traces it. The number of a run tells cells of merged runs apart. */
+#define BB_KEY_OF_LAYOUT "/layout="
 #define BB_KEY_OF_RUN "/run="
 
 /* Parts of a key. "" and 0 stand for parts that are not given. */
@@ -78,7 +80,8 @@ void bb_cell_canonical(bb_cell_parts *cell);
 /* Makes a cell canonical, but leaves out parameters that have their defaults: short names for
  * tables. */
 void bb_cell_short(bb_cell_parts *cell);
-/* The same for a key; a text that is none is copied. The number of a run may end the key. */
+/* Both for a key, whose suffixes stay. A text that is none is copied. */
+void bb_cell_key_canonical(const char *key, char canonical[BB_CELL_KEY]);
 void bb_cell_key_short(const char *key, char brief[BB_CELL_KEY]);
 
 /* Returns whether this builder is a reference row (Embree with its own trees). */

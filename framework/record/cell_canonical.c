@@ -196,19 +196,28 @@ void bb_cell_short(bb_cell_parts *cell)
     respell_all(cell, false);
 }
 
-void bb_cell_key_short(const char *key, char brief[BB_CELL_KEY])
+static void respell_key(const char *key, bool defaults, char out[BB_CELL_KEY])
 {
     bb_cell_parts cell;
-    const char *run = strstr(key, BB_KEY_OF_RUN);
-    const size_t length = run != NULL ? (size_t)(run - key) : strlen(key);
-    snprintf(brief, BB_CELL_KEY, "%.*s", (int)length, key);
-    if (bb_cell_key_parse(brief, &cell) == BB_OK) {
-        bb_cell_short(&cell);
-        if (bb_cell_key_format(&cell, brief) == BB_OK) {
-            const size_t used = strlen(brief);
-            snprintf(brief + used, BB_CELL_KEY - used, "%s", run != NULL ? run : "");
+    const char *layout = strstr(key, BB_KEY_OF_LAYOUT), *run = strstr(key, BB_KEY_OF_RUN);
+    const char *suffix = layout != NULL ? layout : run != NULL ? run : key + strlen(key);
+    snprintf(out, BB_CELL_KEY, "%.*s", (int)(suffix - key), key);
+    if (bb_cell_key_parse(out, &cell) == BB_OK) {
+        respell_all(&cell, defaults);
+        if (bb_cell_key_format(&cell, out) == BB_OK && strlen(out) + strlen(suffix) < BB_CELL_KEY) {
+            strcat(out, suffix);
             return;
         }
     }
-    snprintf(brief, BB_CELL_KEY, "%s", key);
+    snprintf(out, BB_CELL_KEY, "%s", key);
+}
+
+void bb_cell_key_canonical(const char *key, char canonical[BB_CELL_KEY])
+{
+    respell_key(key, true, canonical);
+}
+
+void bb_cell_key_short(const char *key, char brief[BB_CELL_KEY])
+{
+    respell_key(key, false, brief);
 }

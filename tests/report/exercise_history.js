@@ -18,7 +18,7 @@ expect($('where').textContent.includes('south') && $('where').textContent.includ
 expect(rows('moves').length === 0 && rows('revisions').length === 1, 'nothing moved in the south');
 
 choose('pick-machine', '1');
-expect($('where').textContent.includes('5 revisions, 228 cells on north'), $('where').textContent);
+expect($('where').textContent.includes('5 revisions, 258 cells on north'), $('where').textContent);
 expect(/[\d.]+ %: what 90 % of the cells do not exceed between runs of one revision/.test($('where').textContent), 'the floor as measured');
 expect(rows('moves').length === 3, `${rows('moves').length} moves`);
 
@@ -41,7 +41,7 @@ expect(median.length === 5 && median.every((m, i) => lower[i] <= m && m <= upper
 /* The filter leaves what it names; each figure of some cells can be drawn. */
 type('builder=sah rays=ao');
 const few = values('pick-cell');
-expect(few.length > 0 && few.length < 228 && few.every(key => key.includes('builder=sah') && key.includes('rays=ao')), `the filter: ${few.length}`);
+expect(few.length > 0 && few.length < 258 && few.every(key => key.includes('builder=sah') && key.includes('rays=ao')), `the filter: ${few.length}`);
 let drawn = 0;
 for (const key of few) {
   choose('pick-cell', key);
@@ -55,7 +55,7 @@ expect(drawn > 10, `${drawn} charts`);
 type('no such cell');
 expect(values('pick-cell').length === 0, 'no cell');
 type('');
-expect(values('pick-cell').length === 228, 'all cells again');
+expect(values('pick-cell').length === 258, 'all cells again');
 
 for (const node of document.querySelectorAll('select, input, button'))
   expect(node.labels?.length > 0 || node.textContent.trim() !== '', `a ${node.tagName} without a name`);
