@@ -59,8 +59,8 @@ typedef struct bb_cell_set {
  * in which less is better. Keys are made of command and names then,
  * "command=slice/scene=tets/builder=lbvh", and for rounds also of the column, ".../time=build_ms".
  * Keys of a merged table's further runs end with the number of their run, ".../run=1". Of the
- * texts, only "status" and the scene's "hash" are taken. BB_INVALID if a run is no number, or a key too
- * long. Release with bb_cell_set_free(), also after a failure. */
+ * texts, only "status" and the scene's "hash" are taken. BB_INVALID if a run is no number, or a key
+ * too long. Release with bb_cell_set_free(), also after a failure. */
 bb_status bb_cell_set_of_table(const bb_table *table, const char *what, bb_cell_set *set);
 
 /* Appends an empty cell with this key, made canonical: a parameter that the key's program did not

@@ -39,8 +39,8 @@
 enum { BB_CELL_TEXT = 1024, BB_CELL_KEY = 4096 };
 
 /* Suffixes of keys where cells are compared. They are no parts of the grammar, since no run
- * measures such a cell by itself. A layout, whose name follows the key of its build, is made when something
- * traces it. The number of a run tells cells of merged runs apart. */
+ * measures such a cell by itself. A layout, whose name follows the key of its build, is made when
+ * something traces it. The number of a run tells cells of merged runs apart. */
 #define BB_KEY_OF_LAYOUT "/layout="
 #define BB_KEY_OF_RUN "/run="
 
