@@ -227,14 +227,19 @@ static inline void edit_all_failed(bb_results *r)
     put_in_all(r, BB_TRACES, BB_F_TRACE_STATUS, "failed");
 }
 
-/* As if the program knew none of the parameters that have defaults. */
+/* As if the program knew none of the parameters that have defaults, but for the scene's. */
 static inline void edit_short_keys(bb_results *r)
 {
     static const bb_section_id sections[] = {BB_BUILDS, BB_TRACES};
     for (int s = 0; s < 2; s++)
         for (bb_entry *e = entry_at(r, sections[s], 0); e != NULL; e = e->next) {
-            char key[BB_CELL_KEY];
-            bb_cell_key_short(bb_get_text(e, BB_F_TRACE_CELL), key);
+            char key[BB_CELL_KEY], scene[BB_CELL_TEXT];
+            bb_cell_parts cell;
+            ASSERT_OK(bb_cell_key_parse(bb_get_text(e, BB_F_TRACE_CELL), &cell));
+            strcpy(scene, cell.scene);
+            bb_cell_short(&cell);
+            strcpy(cell.scene, scene);
+            ASSERT_OK(bb_cell_key_format(&cell, key));
             bb_put_text(e, BB_F_TRACE_CELL, key);
         }
 }

@@ -408,6 +408,44 @@ static void planted_changes_are_found(void **state)
     bb_floor_free(&floor);
 }
 
+/* What is found among the others is the same with times of too few rounds, however wild they are, as
+ * without. */
+static void times_of_few_rounds_hide_nothing(void **state)
+{
+    (void)state;
+    uint32_t slower[2] = {0, 0}, seen[2] = {0, 0};
+    double least[2] = {0, 0};
+    for (int few = 0; few < 2; few++) {
+        bb_random random = bb_random_make(23, 0);
+        bb_cell_set sets[2];
+        bb_comparison_result result;
+        for (int k = 0; k < 2; k++) {
+            make_run(&sets[k], &usual, k == 0 ? 1 : 1.3, 30, 1, &random);
+            for (uint32_t i = 0; i < CELLS; i += 2) {
+                bb_samples *ms = &sets[k].cells[i].ms;
+                ms->count = few * ROUNDS; /* one of them does not count */
+                for (uint32_t r = 0; r < ms->count; r++)
+                    ms->values[r] *= r % 2 == 0 ? 1 : 3;
+            }
+        }
+        ASSERT_OK(bb_compare(&(bb_side){&sets[0], 1}, &(bb_side){&sets[1], 1}, 0.1, NULL, &result));
+        for (uint32_t i = 0; i < result.move_count; i++)
+            slower[few] += result.moves[i].timed && result.moves[i].verdict == BB_WORSE;
+        for (uint32_t i = 0; i < result.sight_count; i++)
+            if (isfinite(result.sights[i].least)) {
+                seen[few]++;
+                least[few] += result.sights[i].least;
+            }
+        bb_compare_free(&result);
+        bb_cell_set_free(&sets[0]);
+        bb_cell_set_free(&sets[1]);
+    }
+    assert_true(slower[0] > 5 && seen[0] > CELLS / 3);
+    assert_int_equal(slower[0], slower[1]);
+    assert_int_equal(seen[0], seen[1]);
+    assert_float_equal(least[0], least[1], 1e-12);
+}
+
 /* One cell that doubles from run to run, and a reference that does: the others' floor stays. */
 static void one_cell_sets_no_floor(void **state)
 {
@@ -454,6 +492,7 @@ int main(void)
         cmocka_unit_test(times_that_tie_are_told_apart),
         cmocka_unit_test(intervals_alone_would),
         cmocka_unit_test(planted_changes_are_found),
+        cmocka_unit_test(times_of_few_rounds_hide_nothing),
         cmocka_unit_test(one_cell_sets_no_floor),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -431,6 +431,42 @@ static void an_entry_is_its_latest_run(void **state)
     bb_history_close(history);
 }
 
+/* Keys that an earlier program spelled otherwise, as it lacked a parameter with a default: the
+ * latest run's cells count, each once. */
+static void spellings_of_a_key_are_one_cell(void **state)
+{
+    (void)state;
+    const char *path = history_path("spellings");
+    bb_history *history;
+    bb_history_entry entry;
+    bb_cell_set kept, latest;
+    uint32_t others;
+    for (uint64_t run = 1; run <= 3; run++) {
+        history_add(path, "bbbb", "north", "2024-01-01T00:00:00Z", nothing, run);
+        if (run < 3) /* what comes first by spelling is the older one, and the other way round */
+            execute(path, run == 1 ? "UPDATE cells SET key = replace(key, '/seed=1', '')"
+                                   : "UPDATE cells SET key = replace(key, '/seed=1', '/seed=01')"
+                                     " WHERE key LIKE '%/seed=1%'");
+    }
+    bb_results *results = history_run("bbbb", "north", "2024-01-01T00:00:00Z", nothing, 3);
+    ASSERT_OK(bb_cell_set_of_table(bb_results_table(results), "it", &latest));
+    ASSERT_OK(bb_history_open(path, false, &history));
+    ASSERT_OK(bb_history_find(history, "bbbb", NULL, &entry, &others));
+    ASSERT_OK(bb_history_set(history, &entry, &kept));
+    assert_int_equal(kept.count, latest.count);
+    assert_int_equal(kept.duplicates, 0);
+    for (uint32_t i = 0; i < kept.count; i++) {
+        const bb_measured *a = &kept.cells[i], *b = &latest.cells[i];
+        assert_string_equal(a->key, b->key);
+        assert_int_equal(a->ms.count, b->ms.count);
+        assert_memory_equal(a->ms.values, b->ms.values, a->ms.count * sizeof *a->ms.values);
+    }
+    bb_cell_set_free(&kept);
+    bb_cell_set_free(&latest);
+    bb_history_close(history);
+    bb_results_destroy(results);
+}
+
 /* Two runs of a revision are evidence of one program only if the revision says which. */
 static void unclear_revisions_make_no_floor(void **state)
 {
@@ -562,6 +598,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(trends_mark_what_moved),
         cmocka_unit_test(devices_are_told_apart),
         cmocka_unit_test(an_entry_is_its_latest_run),
+        cmocka_unit_test(spellings_of_a_key_are_one_cell),
         cmocka_unit_test(unclear_revisions_make_no_floor),
         cmocka_unit_test(two_writers_wait_for_each_other),
         cmocka_unit_test(killed_writers_leave_whole_runs),

@@ -1,4 +1,5 @@
 /* What a run leaves: whole result files, its answer, the right exit status, whatever happens. */
+#include "framework/table/table.h"
 #include "tests/program_fixture.h"
 
 #include <cjson/cJSON.h>
@@ -147,7 +148,7 @@ static void without_rays_there_are_builds_only(void **state)
     refuses("", "run --scene cube --rays none,primary --out x", "--rays none means no rays");
     const outcome *o = expect(0,
                               "run --table --scene cube --builder lbvh --rays none --kernel stack "
-                              "--repeats 2 --no-pictures --out bare",
+                              "--repeats 7 --no-pictures --out bare",
                               "Layout ms");
     assert_null(strstr(o->out, "Wrong ppm"));
     cJSON *json = read_results("bare/results.json");
@@ -156,6 +157,16 @@ static void without_rays_there_are_builds_only(void **state)
     assert_true(cJSON_GetNumberValue(cJSON_GetObjectItem(build, "build_ms_median")) > 0);
     assert_int_equal(cJSON_GetArraySize(cJSON_GetObjectItem(build, "layout_ms")), 1);
     cJSON_Delete(json);
+    /* a layout has as many rounds as a build */
+    char path[600];
+    bb_table *table;
+    snprintf(path, sizeof path, "%s/bare/results.json", folder);
+    assert_int_equal(bb_table_read(path, &table), BB_OK);
+    const bb_cell cell = {{[BB_SCENE] = "cube", [BB_BUILDER] = "lbvh", [BB_MAKER] = "pair"}};
+    const uint32_t row = bb_table_find(table, cell);
+    assert_true(row != BB_NO_ROW);
+    assert_int_equal(bb_table_get_rounds(table, row, "layout_ms")->count, 8);
+    bb_table_free(table);
     expect(0, "report bare --out bare/again.html", "again.html");
 }
 

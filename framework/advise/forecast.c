@@ -43,7 +43,7 @@ static double ms_of(const bb_advice *advice, const bb_entered *field, const bb_f
         kernel = kernel != NULL ? kernel : build;
         const bool first = i == 0 || strcmp(field->who[i - 1].builder, who->builder) != 0;
         ms += first ? build->build_ms / factor * (heat->rounds + 2) : 0;
-        ms += kernel->layout_ms / factor * (1 + BB_LAYOUT_REPEATS);
+        ms += kernel->layout_ms / factor * (heat->rounds + 1);
         ms += kernel->trace_ms / advice->request->image_rays * kernel->rays * heat->rays *
               heat->rounds;
     }

@@ -21,8 +21,6 @@ typedef struct bb_shard {
     uint32_t next;         /* number of the next set; counts on over all comparisons of a run */
 } bb_shard;
 
-enum { BB_LAYOUT_REPEATS = 5 }; /* repetitions of transfers and layouts, after a first one */
-
 typedef struct bb_bench_request {
     bb_device *device;
     char *const *scenes;

@@ -1,5 +1,5 @@
 /* Builds all entrants, interleaved in an order that is shuffled per round; then measures their
- * trees. */
+ * trees, and makes their layouts in such rounds. */
 #include "framework/bench/bench_private.h"
 
 #include "framework/base/clock.h"
@@ -13,6 +13,7 @@
 enum {
     /* builds with exact phase boundaries; on a device they are extra builds, which do not count */
     PHASE_BUILDS = 3,
+    TRANSFERS = 5, /* that count, after a first one */
     METRIC_SAMPLES = 1000000,
     /* bytes; a device's compiler, which may run in any build, needs more */
     UNBOOKED_LEAST = 32 << 20,
@@ -68,7 +69,7 @@ static bb_status measure_transfer(bb_bench *bench, bb_entrant *entrant)
     if (bb_pipeline_on_device(&entrant->pipeline) == entrant->pipeline.count)
         return BB_OK;
     bb_step step = bb_bench_begin(bench);
-    for (uint32_t i = 0; i <= BB_LAYOUT_REPEATS; i++) {
+    for (uint32_t i = 0; i <= TRANSFERS; i++) {
         double ms;
         BB_TRY(bb_instance_transfer(&entrant->resident->instance, bench->scene, &ms));
         bb_samples_add(&entrant->record.transfer_ms, ms);
@@ -283,32 +284,24 @@ static void finish_phases(bb_entrant *entrant)
         entrant->record.phases[i].ms = bb_samples_median(&entrant->phase_samples[i]);
 }
 
-/* Makes the layout a few more times to time it, unless one of its name was timed. The first time,
- * on fresh memory, is recorded but does not enter the median. */
-static bb_status measure_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layout)
+/* Records a layout that was just made, unless one of its name was recorded. Its time, on fresh
+ * memory, does not enter the median. */
+static void record_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layout)
 {
     bb_build_record *record = &entrant->record;
     const bb_layout_data *data = &entrant->resident->layouts[layout];
     for (uint32_t k = 0; k < record->layout_count; k++)
         if (strcmp(record->layouts[k].name, data->name) == 0)
-            return BB_OK;
+            return;
     if (!bb_bench_owns_builds(bench))
-        return BB_OK;
+        return;
     uint32_t k = record->layout_count++;
+    entrant->layouts[k] = layout;
     snprintf(record->layouts[k].name, sizeof record->layouts[k].name, "%s", data->name);
     record->layouts[k].bytes = data->bytes;
     record->layouts[k].sah =
         isnan(data->sah) && data->keeps_shape ? sah_of_tree(entrant) : data->sah;
     bb_samples_add(&record->layouts[k].ms, data->timing.ms);
-    for (uint32_t i = 0; i < BB_LAYOUT_REPEATS; i++) {
-        char what[256];
-        BB_TRY(bb_resident_layout_again(&bench->residency, entrant->resident, layout));
-        bb_samples_add(&record->layouts[k].ms, data->timing.ms);
-        snprintf(what, sizeof what, "layout %s of %.100s by %.100s", data->name, bench->scene->name,
-                 entrant->text);
-        bb_audit_timing(&bench->outcome->audit, what, &data->timing, true);
-    }
-    return BB_OK;
 }
 
 /* Returns whether a cell of this entrant, kernel and intersector is to be measured. */
@@ -323,9 +316,9 @@ static bool wants_layout(const bb_bench *bench, const bb_entrant *entrant, uint3
     return bb_bench_wants(bench, &parts);
 }
 
-/* Measures the layouts. A refused layout is a failure of the trace, not of the build:
+/* Makes the layouts. A refused layout is a failure of the trace, not of the build:
  * bb_bench_layout() reports it again. */
-static void measure_layouts(bb_bench *bench, bb_entrant *entrant)
+static void make_layouts(bb_bench *bench, bb_entrant *entrant)
 {
     for (uint32_t k = 0; k < bench->kernel_count; k++)
         for (uint32_t i = 0;
@@ -333,12 +326,50 @@ static void measure_layouts(bb_bench *bench, bb_entrant *entrant)
             if (!wants_layout(bench, entrant, k, i))
                 continue;
             uint32_t layout = bb_bench_layout_of(bench, k, &bench->intersectors[i]);
-            bb_status status = bb_bench_layout(bench, entrant, layout);
-            bb_step step = bb_bench_begin(bench);
-            if (status == BB_OK)
-                status = measure_layout(bench, entrant, layout);
-            (void)bb_bench_end(bench, step, "layouts", status);
+            if (bb_bench_layout(bench, entrant, layout) == BB_OK)
+                record_layout(bench, entrant, layout);
         }
+}
+
+static bb_status layout_again(bb_bench *bench, bb_entrant *entrant, uint32_t k)
+{
+    char what[256];
+    const uint32_t layout = entrant->layouts[k];
+    const bb_layout_data *data = &entrant->resident->layouts[layout];
+    BB_TRY(bb_bench_layout(bench, entrant, layout)); /* others may have taken its room */
+    bb_step step = bb_bench_begin(bench);
+    bb_status status = bb_resident_layout_again(&bench->residency, entrant->resident, layout);
+    if (status == BB_OK) {
+        bb_samples_add(&entrant->record.layouts[k].ms, data->timing.ms);
+        snprintf(what, sizeof what, "layout %s of %.100s by %.100s", data->name, bench->scene->name,
+                 entrant->text);
+        bb_audit_timing(&bench->outcome->audit, what, &data->timing, true);
+    }
+    return bb_bench_end(bench, step, "layouts", status);
+}
+
+/* What fails here fails the traces. */
+static bb_status take_layout_turn(void *self, uint32_t who, uint32_t round, double *ms)
+{
+    bb_bench *bench = self;
+    bb_entrant *entrant = &bench->entrants[who];
+    (void)round, (void)ms;
+    for (uint32_t k = 0; k < entrant->record.layout_count; k++)
+        if (entrant->record.status == BB_OK && !bb_interrupted())
+            (void)layout_again(bench, entrant, k);
+    return BB_OK;
+}
+
+static bb_status measure_layouts(bb_bench *bench)
+{
+    bb_turns turns = {.device = bench->device,
+                      .random = &bench->random,
+                      .count = bench->entrant_count,
+                      .self = bench,
+                      .turn = take_layout_turn};
+    for (uint32_t round = 0; round < bench->request->repeats && !bb_interrupted(); round++)
+        BB_TRY(bb_turns_round(&turns, round));
+    return BB_OK;
 }
 
 /* Removes the times of a build that another shard measures: here it was only built once. */
@@ -398,7 +429,7 @@ static bb_status finish_builder(bb_bench *bench, bb_entrant *entrant, bool own)
     if (own)
         BB_TRY(measure_transfer(bench, entrant));
     BB_TRY(measure_tree(bench, entrant));
-    measure_layouts(bench, entrant);
+    make_layouts(bench, entrant);
     return BB_OK;
 }
 
@@ -440,5 +471,5 @@ bb_status bb_bench_builds(bb_bench *bench)
     }
     for (uint32_t i = 0; i < bench->entrant_count && !own && !bb_interrupted(); i++)
         forget_times(&bench->entrants[i].record);
-    return BB_OK;
+    return measure_layouts(bench);
 }

@@ -50,6 +50,7 @@ typedef struct bb_entrant {
     struct bb_entrant *tree_of; /* the reference that builds the same tree; NULL: none before it */
     bool late;                  /* of a reference: bb_audit_outer() */
     bb_build_record record;
+    uint32_t layouts[BB_LAYOUTS_MAX]; /* of the residency: those in the record */
     bb_samples phase_samples[BB_RECORD_PHASES_MAX];
 } bb_entrant;
 

@@ -62,14 +62,13 @@ static range range_of(const bb_side *side, const char *key, const char *name)
     return r;
 }
 
-/* Handles a figure that only one side has. Figures of layouts differ by the choice of kernels and
- * are only counted. Others are named if they are gone; if answers are not judged any more, that is
- * worse. `was`: NAN if the figure is new. */
+/* Handles a figure that only one side has. It is named if it is gone; if answers are not judged any
+ * more, that is worse. `was`: NAN if the figure is new. */
 static bb_status compare_one_sided(bb_comparison_result *result, const bb_measured *before,
                                    const bb_measured *after, const char *name, double was)
 {
     result->one_sided++;
-    if (isnan(was) || strchr(name, ' ') != NULL)
+    if (isnan(was))
         return BB_OK;
     bb_change move = start_move(before, after, name);
     move.from = was;
@@ -264,6 +263,8 @@ static bb_status compare_times(bb_comparison_result *result, timing *timings, ui
             time_pairs(result, &timings[i], &rows[i]);
         else
             time_runs(result, &timings[i], &rows[i]);
+        if (!isfinite(timings[i].effect.low)) /* judge_time() has nothing to say of it */
+            rows[i].before.count = rows[i].after.count = 0;
         if (isfinite(timings[i].effect.ratio))
             result->ratios[result->ratio_count++] = timings[i].effect.ratio;
     }
@@ -310,6 +311,13 @@ static bb_status set_floor(bb_comparison_result *result, double threshold, const
     return BB_OK;
 }
 
+/* Which layouts a build has follows from what traces it, and that is missing itself, or has failed,
+ * if a layout should be there and is not. */
+static bool counts_as_missing(const bb_measured *cell)
+{
+    return !cell->reference && is_ok(cell) && strstr(cell->key, BB_KEY_OF_LAYOUT) == NULL;
+}
+
 static void count_only(bb_comparison_result *result)
 {
     const bb_side *a = &result->before, *b = &result->after;
@@ -317,7 +325,7 @@ static void count_only(bb_comparison_result *result)
     for (const char *key; (key = bb_side_next(a, &place)) != NULL;) {
         bool both = bb_side_find(b, key) != NULL;
         const bb_measured *old = bb_side_find(a, key);
-        result->missing += !both && !old->reference && is_ok(old);
+        result->missing += !both && counts_as_missing(old);
         result->common += both;
         result->only_before += !both;
         result->lacking += both && bb_side_lacks(a, key) + bb_side_lacks(b, key) > 0;

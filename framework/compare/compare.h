@@ -66,7 +66,7 @@ typedef enum bb_change_verdict {
 /* A time or figure that moved. */
 typedef struct bb_change {
     const bb_measured *before, *after;
-    char what[BB_FIGURE_NAME]; /* "build ms", "trace ms", "status", or an exact figure's name */
+    char what[BB_FIGURE_NAME]; /* bb_measured.time, "status", or an exact figure's name */
     bool timed;
     double from,
         to; /* medians in ms (for pairs, of the least times), or the figure; NAN for a status */

@@ -192,8 +192,8 @@ static bb_status read_figures(bb_history *history, sqlite3_stmt *figures, int64_
     return status;
 }
 
-/* Adds cells from rows of id, key, time, reference, status, scene_hash, rays_hash, samples. If
- * several successive rows have one key, the first counts. */
+/* Adds cells from rows of id, key, time, reference, status, scene_hash, rays_hash, samples. Of rows
+ * of one cell the first counts. */
 static bb_status read_cells(bb_history *history, sqlite3_stmt *rows, bb_cell_set *set)
 {
     sqlite3_stmt *figures = NULL;
@@ -204,8 +204,6 @@ static bb_status read_cells(bb_history *history, sqlite3_stmt *rows, bb_cell_set
     while (status == BB_OK && (code = sqlite3_step(rows)) == SQLITE_ROW) {
         const char *key = bb_history_text(rows, 1);
         bb_measured *cell;
-        if (set->count > 0 && strcmp(set->cells[set->count - 1].key, key) == 0)
-            continue;
         status = bb_cell_set_add(set, key, &cell);
         if (status != BB_OK)
             break;
@@ -222,6 +220,7 @@ static bb_status read_cells(bb_history *history, sqlite3_stmt *rows, bb_cell_set
     if (status == BB_OK && code != SQLITE_DONE)
         status = bb_history_fail(history, "read it");
     bb_cell_set_sort(set);
+    set->duplicates = 0; /* nothing is left out: the first rows are those asked for */
     return status;
 }
 
@@ -236,8 +235,11 @@ bb_status bb_history_set(bb_history *history, const bb_history_entry *entry, bb_
     memset(set, 0, sizeof *set);
     set->origin = *o;
     BB_TRY(bb_history_prepare(history,
-                              CELLS "WHERE m.run IN (SELECT id FROM runs WHERE " MACHINE
-                                    " AND revision = ?5) ORDER BY c.key, m.run DESC",
+                              CELLS
+                              "WHERE (m.cell, m.run) IN (SELECT cell, max(run)"
+                              " FROM measurements WHERE run IN (SELECT id FROM runs WHERE " MACHINE
+                              " AND revision = ?5) GROUP BY cell)"
+                              " ORDER BY m.run DESC",
                               &rows));
     bb_history_bind(rows, "ttttt", o->host, o->cpu, o->device, o->driver, o->revision);
     bb_status status = read_cells(history, rows, set);

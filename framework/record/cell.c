@@ -181,7 +181,8 @@ static bb_status read_part(const char *key, const char *at, const char *end, bb_
         return i < FIGURE_COUNT ? read_figure(key, names[i], figure, cell) : BB_OK;
     }
     return malformed(key, "its parts are scene=, rays=, size=, max-rays=, seed=, view=, builder=, "
-                          "kernel= and intersector=, with '/' between them");
+                          "kernel= and intersector=, with '/' between them; a layout is "
+                          "measured with each cell that traces it");
 }
 
 bool bb_is_reference(const char *builder)

@@ -80,7 +80,8 @@ void bb_cell_canonical(bb_cell_parts *cell);
 /* Makes a cell canonical, but leaves out parameters that have their defaults: short names for
  * tables. */
 void bb_cell_short(bb_cell_parts *cell);
-/* Both for a key, whose suffixes stay. A text that is none is copied. */
+/* Both for a key, whose suffixes stay. A text that is none is copied. The canonical key's scene
+ * stays, too: it may be a file, which need not be there. */
 void bb_cell_key_canonical(const char *key, char canonical[BB_CELL_KEY]);
 void bb_cell_key_short(const char *key, char brief[BB_CELL_KEY]);
 

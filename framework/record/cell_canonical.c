@@ -174,9 +174,9 @@ static void respell_scene(char scene[BB_CELL_TEXT], bool defaults)
             respell(&spec, bb_generators[i]->options, defaults, scene);
 }
 
+/* Makes canonical what does not depend on the working folder. */
 static void respell_all(bb_cell_parts *cell, bool defaults)
 {
-    respell_scene(cell->scene, defaults);
     respell_builder(cell->builder, defaults);
     if (cell->kernel[0] != '\0')
         respell_kernel(cell->kernel, defaults);
@@ -188,11 +188,13 @@ static void respell_all(bb_cell_parts *cell, bool defaults)
 
 void bb_cell_canonical(bb_cell_parts *cell)
 {
+    respell_scene(cell->scene, true);
     respell_all(cell, true);
 }
 
 void bb_cell_short(bb_cell_parts *cell)
 {
+    respell_scene(cell->scene, false);
     respell_all(cell, false);
 }
 
@@ -203,6 +205,8 @@ static void respell_key(const char *key, bool defaults, char out[BB_CELL_KEY])
     const char *suffix = layout != NULL ? layout : run != NULL ? run : key + strlen(key);
     snprintf(out, BB_CELL_KEY, "%.*s", (int)(suffix - key), key);
     if (bb_cell_key_parse(out, &cell) == BB_OK) {
+        if (!defaults)
+            respell_scene(cell.scene, false);
         respell_all(&cell, defaults);
         if (bb_cell_key_format(&cell, out) == BB_OK && strlen(out) + strlen(suffix) < BB_CELL_KEY) {
             strcat(out, suffix);
