@@ -271,10 +271,11 @@ static void test_more_samples(void **state)
     bb_scene *scene = make_room(zero);
     bb_oracle *oracle = NULL;
     assert_int_equal(bb_oracle_create(scene, 2, &oracle), BB_OK);
-    static const char *const kinds[] = {"shadow", "ao", "diffuse"};
-    for (int i = 0; i < 3; i++) {
+    static const char *const kinds[] = {"shadow", "path:bounce=1", "ao", "diffuse"};
+    for (int i = 0; i < 4; i++) {
         char text[64];
-        snprintf(text, sizeof text, "%s:least=50000%s", kinds[i], i > 0 ? ",per_hit=2" : "");
+        snprintf(text, sizeof text, "%s%cleast=50000%s", kinds[i], i == 1 ? ',' : ':',
+                 i > 1 ? ",per_hit=2" : "");
         bb_rays *rays = made(scene, oracle, text, NULL), *few = NULL;
         if (rays->count < 50000 || rays->count > MOST)
             fail_msg("%s: %u rays", text, rays->count);
@@ -286,6 +287,70 @@ static void test_more_samples(void **state)
         bb_rays_free(few);
     }
     expect(BB_INVALID, scene, oracle, "shadow:least=0", NULL);
+    bb_oracle_destroy(oracle);
+    hand_free(scene);
+}
+
+/* Each ray of a bounce starts where one of the bounce before hits, in their order, and goes anywhere
+ * above it; paths that leave the scene end. */
+static void test_paths(void **state)
+{
+    (void)state;
+    bb_scene *scene = make_room(zero);
+    bb_oracle *oracle = NULL;
+    bb_rays *before = NULL, *rays = NULL;
+    assert_int_equal(bb_oracle_create(scene, 2, &oracle), BB_OK);
+    double dot = 0, count = 0;
+    for (uint32_t bounce = 1; bounce <= 4; bounce++) {
+        char text[32];
+        snprintf(text, sizeof text, "path:bounce=%u", bounce);
+        rays = made(scene, oracle, text, NULL);
+        if (before != NULL) {
+            bb_hit *hits = malloc(before->count * sizeof *hits);
+            ASSERT_OK(
+                bb_oracle_trace(oracle, before->rays, before->count, &bb_query_closest, hits));
+            uint32_t at = 0;
+            for (uint32_t i = 0; i < before->count && at < rays->count; i++) {
+                double away = 0, on[3];
+                if (hits[i].prim == BB_NONE)
+                    continue;
+                for (int k = 0; k < 3; k++) {
+                    on[k] = before->rays[i].o[k] + (double)hits[i].t * before->rays[i].d[k];
+                    away = hypot(away, on[k] - rays->rays[at].o[k]);
+                }
+                if (away > 1e-3)
+                    continue; /* a hit without a point */
+                for (int k = 0; k < 3; k++)
+                    dot += before->rays[i].d[k] * (double)rays->rays[at].d[k];
+                count++;
+                at++;
+            }
+            assert_int_equal(at, rays->count);
+            if (rays->count > before->count || rays->count < before->count / 3)
+                fail_msg("%s: %u rays, before %u", text, rays->count, before->count);
+            free(hits);
+            bb_rays_free(before);
+        }
+        before = rays;
+    }
+    assert_true(dot / count <
+                -0.3); /* away from what they hit: -4/9 where all directions hit alike */
+    expect(BB_INVALID, scene, oracle, "path:bounce=0", NULL);
+    bb_rays_free(before);
+    bb_oracle_destroy(oracle);
+    hand_free(scene);
+
+    bb_random random = bb_random_make(seed, 9);
+    scene = hand_scene(1, 0);
+    hand_random(scene, &random);
+    hand_finish(scene);
+    scene->view_count = 1;
+    scene->views[0] = view_of("front", 0, 0, 9);
+    for (int k = 0; k < 3; k++)
+        scene->views[0].target[k] =
+            (scene->vertices[k] + scene->vertices[3 + k] + scene->vertices[6 + k]) / 3;
+    assert_int_equal(bb_oracle_create(scene, 2, &oracle), BB_OK);
+    expect(BB_UNSUPPORTED, scene, oracle, "path", NULL);
     bb_oracle_destroy(oracle);
     hand_free(scene);
 }
@@ -524,6 +589,7 @@ int main(void)
         cmocka_unit_test(test_hash),
         cmocka_unit_test(test_more_pictures),
         cmocka_unit_test(test_more_samples),
+        cmocka_unit_test(test_paths),
         cmocka_unit_test(test_at_least),
         cmocka_unit_test(test_lines),
         cmocka_unit_test(test_lines_need_meshes_for_intervals),

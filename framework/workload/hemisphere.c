@@ -59,3 +59,12 @@ bb_status bb_hemisphere_rays(bb_rays_job *job, float tmax)
     hemisphere over = {(uint32_t)per_hit, job->tmin, tmax};
     return bb_surface_rays(job, (uint32_t)per_hit, make_hemisphere, &over);
 }
+
+bb_status bb_hemisphere_paths(bb_rays_job *job, uint32_t bounces)
+{
+    hemisphere over = {1, job->tmin, INFINITY};
+    bb_status status = bb_surface_rays(job, 1, make_hemisphere, &over);
+    for (uint32_t bounce = 2; bounce <= bounces && status == BB_OK; bounce++)
+        status = bb_surface_go_on(job, bounce, make_hemisphere, &over);
+    return status;
+}

@@ -6,6 +6,8 @@
  *   for each view: take its share by selection sampling (Knuth, The Art of Computer Programming
  *                  3.4.2, algorithm S), which keeps the order of the pixels
  *   for each hit:  move off the surface, make its rays one after the other
+ *   a path goes on: trace its last ray with the oracle, move off the surface that it hits, make
+ *                  the next one; paths that leave the scene end
  *
  * The point of a hit is recomputed in doubles from the exact t, so that it lies on the surface even
  * where Embree's t is rough. It is moved along the geometric normal that faces the incoming ray, by
@@ -55,11 +57,18 @@ typedef struct sampler {
 
 /* ---- points on surfaces ---- */
 
-/* Returns false where the surface has no normal, or no exact hit where Embree has one. */
-static bool find_point(const sampler *sampler, const bb_ray *ray, const bb_hit *hit,
+static bb_status read_offset(const bb_rays_job *job, double *offset)
+{
+    BB_TRY(bb_spec_double(job->request->spec, job->options, "offset", 0.0, 1.0, offset));
+    *offset *= job->diagonal;
+    return BB_OK;
+}
+
+/* Moves the point off the surface by `least` or more. Returns false where the surface has no
+ * normal, or no exact hit where Embree has one. */
+static bool find_point(const bb_scene *scene, double least, const bb_ray *ray, const bb_hit *hit,
                        bb_surface_point *point)
 {
-    const bb_scene *scene = sampler->job->scene;
     double t, length = 0.0, facing = 0.0, largest = 0.0, on[3];
     if (!bb_exact_t(scene, ray, hit->prim, hit->t, &t) ||
         fabs(t - (double)hit->t) > bb_margin(scene, ray, hit->prim)) /* |d| is 1 */
@@ -78,7 +87,7 @@ static bool find_point(const sampler *sampler, const bb_ray *ray, const bb_hit *
     if (!(length > 0.0) || !isfinite(length))
         return false;
     double away = facing > 0.0 ? -1.0 / length : 1.0 / length;
-    double offset = fmax(sampler->offset, 0x1p-20 * largest);
+    double offset = fmax(least, 0x1p-20 * largest);
     for (int k = 0; k < 3; k++) {
         point->normal[k] *= away;
         point->o[k] = (float)(on[k] + offset * point->normal[k]);
@@ -102,7 +111,8 @@ static bb_status collect_batch(sampler *sampler, sampled_view *view, uint64_t be
         const bb_hit *hit = &sampler->hits[i];
         bb_surface_point point;
         if (hit->prim != BB_NONE &&
-            (!sampler->counts || find_point(sampler, &sampler->rays[i], hit, &point)))
+            (!sampler->counts ||
+             find_point(sampler->job->scene, sampler->offset, &sampler->rays[i], hit, &point)))
             view->hits[view->count++] = (first_hit){begin + i, *hit};
     }
     return BB_OK;
@@ -178,8 +188,7 @@ static bb_status begin_sampling(bb_rays_job *job, uint32_t per_hit, sampler *sam
 {
     const bb_rays_request *request = job->request;
     *sampler = (struct sampler){.job = job, .per_hit = per_hit};
-    BB_TRY(bb_spec_double(request->spec, job->options, "offset", 0.0, 1.0, &sampler->offset));
-    sampler->offset *= job->diagonal;
+    BB_TRY(read_offset(job, &sampler->offset));
     if (request->max_rays < per_hit)
         return bb_fail(BB_INVALID, "rays %s: %u per hit, but only %u are allowed: take fewer",
                        job->rays->name, per_hit, request->max_rays);
@@ -229,7 +238,7 @@ static bb_status for_each_sample(sampler *sampler, bb_surface_maker *make, void 
             bb_ray ray;
             bb_surface_point point;
             bb_picture_ray(job->request, &view->camera, view->hits[i].index, &ray);
-            if (!find_point(sampler, &ray, &view->hits[i].hit, &point))
+            if (!find_point(job->scene, sampler->offset, &ray, &view->hits[i].hit, &point))
                 continue;
             bb_random random = bb_random_make(job->request->seed, sample + 1);
             BB_TRY(make(context, &point, &random, job->rays->rays + sample * sampler->per_hit));
@@ -251,4 +260,42 @@ bb_status bb_surface_rays(bb_rays_job *job, uint32_t per_hit, bb_surface_maker *
         status = for_each_sample(&sampler, make, context);
     end_sampling(&sampler);
     return status;
+}
+
+/* Numbers a ray's random numbers by its direction, so that rays that another oracle loses do not
+ * change those of others. */
+static uint64_t stream_of(const bb_ray *ray)
+{
+    uint32_t bits[3];
+    memcpy(bits, ray->d, sizeof bits);
+    return ((uint64_t)bits[0] << 32 | bits[1]) ^ bits[2] * UINT64_C(0x9E3779B97F4A7C15);
+}
+
+bb_status bb_surface_go_on(bb_rays_job *job, uint32_t bounce, bb_surface_maker *make, void *context)
+{
+    double offset;
+    bb_hit *hits = NULL;
+    bb_ray *rays = job->rays->rays;
+    uint32_t kept = 0;
+    BB_TRY(read_offset(job, &offset));
+    BB_TRY(bb_host_alloc(NULL, BATCH * sizeof *hits, "hits of paths", &hits));
+    bb_status status = BB_OK;
+    for (uint32_t begin = 0, end; begin < job->rays->count && status == BB_OK; begin = end) {
+        end = job->rays->count - begin < BATCH ? job->rays->count : begin + BATCH;
+        status = bb_oracle_trace(job->oracle, rays + begin, end - begin, &bb_query_closest, hits);
+        for (uint32_t i = begin; i < end && status == BB_OK; i++) {
+            bb_surface_point point;
+            if (hits[i - begin].prim == BB_NONE ||
+                !find_point(job->scene, offset, &rays[i], &hits[i - begin], &point))
+                continue;
+            bb_random random = bb_random_make(job->request->seed, stream_of(&rays[i]));
+            status = make(context, &point, &random, &rays[kept++]);
+        }
+    }
+    bb_host_free(hits);
+    job->rays->count = kept;
+    return status != BB_OK || kept > 0
+               ? status
+               : bb_fail(BB_UNSUPPORTED, "rays %s: no path in scene '%s' has %u bounces",
+                         job->rays->name, job->scene->name, bounce);
 }
