@@ -44,6 +44,12 @@
 #define BB_STACK_SIZE 64
 #endif
 #define BB_PLACE_BITS 7u /* the bits of an entry that hold its child */
+/* 1: hits shorten a ray, so that it is worth visiting near children first */
+#if defined(BB_QUERY_ANY) || defined(BB_QUERY_INTERVAL)
+#define BB_SHORTENED 0
+#else
+#define BB_SHORTENED 1
+#endif
 
 typedef struct bb_flight {
     bb_slab slab;
@@ -52,6 +58,7 @@ typedef struct bb_flight {
     uint id;
     uint link; /* the ray's position; BB_NONE: it has ended */
     bool enough; /* whether the stack had room for all children met */
+    uint farthest; /* the place of a node's farthest child by octant */
     uint top; /* of the stack: entries 0 to top - 1; the first is BB_NONE and never obsolete */
     uint links[BB_STACK_SIZE + 9]; /* up to 8 above the top are written */
     uint entries[BB_STACK_SIZE + 9];
@@ -77,10 +84,14 @@ uint8 bb_sort_lanes(uint8 k)
 /* Returns the highest entry below `top` that can contain a hit nearer than tmax. */
 uint bb_stack_pop(const bb_flight *f, uint top, float tmax)
 {
+#if BB_SHORTENED
     do {
         top--;
     } while (as_float(f->entries[top]) > tmax);
     return top;
+#else
+    return top - 1u;
+#endif
 }
 
 /* Sends the ray to entry `top` of its stack if `pop`, else to `link`. */
@@ -114,11 +125,22 @@ static void bb_flight_at_node(bb_flight *f, global const bb_wide *nodes, global 
         f->link = BB_NONE;
         return;
     }
-    /* distances are above 0, so their bits have the same order, and children not met come last */
     uint8 places = (uint8)(0, 1, 2, 3, 4, 5, 6, 7);
+#if BB_BY_OCTANT
+    uint8 order = places ^ f->farthest;
+    uint bits = bb_bits8(as_int8(bb_pick8(met, order)));
+#if BB_SHORTENED
+    vstore8(bb_compress8(bb_pick8(as_uint8(entry), order), bits), 0, f->entries + top);
+#endif
+    vstore8(bb_compress8(bb_pick8(vload8(0, node->links), order), bits), 0, f->links + top);
+#elif !BB_SHORTENED
+    vstore8(bb_compress8(vload8(0, node->links), bb_bits8(as_int8(met))), 0, f->links + top);
+#else
+    /* distances are above 0, so their bits have the same order, and children not met come last */
     uint8 sorted = bb_sort_lanes(((as_uint8(entry) & ~BB_PLACE_BITS) | places) & met);
     vstore8(sorted & ~BB_PLACE_BITS, 0, f->entries + top);
     vstore8(bb_pick8(vload8(0, node->links), sorted), 0, f->links + top);
+#endif
     bb_flight_go(f, true, bb_stack_pop(f, top + count, f->search.tmax), 0u, nodes, blocks);
 }
 
@@ -153,6 +175,7 @@ void bb_flight_start(bb_flight *f, uint id, uint root, float scale,
     f->enough = true;
     bb_ray_setup_make(&f->setup, &rays[id], scale);
     f->slab = bb_slab_of(f->setup.o, f->setup.d);
+    f->farthest = 7u ^ bb_octant_of(f->setup.d);
     bb_search_start(&f->search, &f->setup, &rays[id]);
     BB_QUERY_START(&f->search, &f->setup);
     bb_flight_to_root(f, root);

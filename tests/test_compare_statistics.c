@@ -408,8 +408,8 @@ static void planted_changes_are_found(void **state)
     bb_floor_free(&floor);
 }
 
-/* What is found among the others is the same with times of too few rounds, however wild they are, as
- * without. */
+/* What is found among the others is the same with times of too few rounds, however wild they are,
+ * as without. */
 static void times_of_few_rounds_hide_nothing(void **state)
 {
     (void)state;

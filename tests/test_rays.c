@@ -291,8 +291,8 @@ static void test_more_samples(void **state)
     hand_free(scene);
 }
 
-/* Each ray of a bounce starts where one of the bounce before hits, in their order, and goes anywhere
- * above it; paths that leave the scene end. */
+/* Each ray of a bounce starts where one of the bounce before hits, in their order, and goes
+ * anywhere above it; paths that leave the scene end. */
 static void test_paths(void **state)
 {
     (void)state;

@@ -31,36 +31,38 @@ static bb_scene *make_row(uint32_t times, uint32_t turned)
     return make_row_along(0, times, turned);
 }
 
+static void look(bed *b, const char *kernel, bool ordered, const bb_ray rays[2])
+{
+    bb_hit hits[2];
+    bb_count counts[2];
+    choose_kernel(b, kernel, 1);
+    trace(b, "exact", rays, 2, &bb_query_closest, hits, counts);
+    print_message("%-20s %s: %u and %u primitives, %u and %u boxes\n", kernel,
+                  ordered ? "ordered" : "       ", counts[0].prims, counts[1].prims,
+                  counts[0].nodes, counts[1].nodes);
+    assert_true(hits[0].prim == 0 && hits[1].prim == ROW - 1);
+    if (!ordered) /* one end or the other: else the row could not tell */
+        assert_true(counts[0].prims + counts[1].prims > ROW);
+    for (int end = 0; end < 2 && ordered; end++)
+        assert_true(counts[end].prims < FEW && counts[end].overflow == 0);
+}
+
 static void look_along(uint32_t axis)
 {
+    static const char *const by_octant[] = {"stack8:order=octant", "stack8q:order=octant",
+                                            "stack8i:order=octant"};
     bb_ray rays[2] = {{.tmax = INFINITY}, {.tmax = INFINITY}};
     rays[0].o[axis] = -1;
     rays[0].d[axis] = 1;
     rays[1].o[axis] = ROW;
     rays[1].d[axis] = -1;
-    uint32_t ordered = 0;
     bed b;
     open_bed(&b, make_row_along(axis, 1, ROW), "lbvh", "stack", 1);
-    for (const bb_kernel *const *k = bb_kernels; *k != NULL; k++) {
-        bb_hit hits[2];
-        bb_count counts[2];
-        choose_kernel(&b, (*k)->name, 1);
-        trace(&b, "exact", rays, 2, &bb_query_closest, hits, counts);
-        print_message("%-12s %s: %u and %u primitives, %u and %u boxes\n", (*k)->name,
-                      (*k)->ordered ? "ordered" : "       ", counts[0].prims, counts[1].prims,
-                      counts[0].nodes, counts[1].nodes);
-        assert_true(hits[0].prim == 0 && hits[1].prim == ROW - 1);
-        if (!(*k)->ordered) {
-            /* one end or the other: else the row could not tell */
-            assert_true(counts[0].prims + counts[1].prims > ROW);
-            continue;
-        }
-        ordered++;
-        for (int end = 0; end < 2; end++)
-            assert_true(counts[end].prims < FEW && counts[end].overflow == 0);
-    }
+    for (const bb_kernel *const *k = bb_kernels; *k != NULL; k++)
+        look(&b, (*k)->name, (*k)->ordered, rays);
+    for (size_t i = 0; i < sizeof by_octant / sizeof by_octant[0]; i++)
+        look(&b, by_octant[i], true, rays);
     close_bed(&b);
-    assert_true(ordered > 0);
 }
 
 static void the_nearer_child_comes_first(void **state)

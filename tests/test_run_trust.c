@@ -15,7 +15,7 @@ static void answers_of_later_rounds_are_judged(void **state)
              "    bool tired = *end == 0x1p125f;"
              "    *end = *end > 0x1p126f ? 0x1p126f : 0x1p125f;"
              "    if (enough \\&\\& !tired)/' " BB_TEST_SOURCE_DIR
-             "/kernels/trace.clh >%s/tired/trace.clh",
+             "/kernels/trace_alone.clh >%s/tired/trace_alone.clh",
              folder, folder);
     assert_int_equal(system(command), 0);
     const outcome *o = run("run --scene cube --builder lbvh --kernel stack --rays primary --size "

@@ -238,7 +238,7 @@ static void work_is_what_the_layout_asks_for(void **state)
         {"stack4", "wide4", 1},          {"stack4:leaf=3,plan=greedy", "wide4", 3},
         {"stack8", "wide8", 1},          {"stack8:leaf=8,order=octant", "wide8", 8},
         {"stack8i", "wide8", 1},         {"stack8i:leaf=8,group=37,rays=8", "wide8", 8},
-        {"stack8q:leaf=4", "quant8", 4},
+        {"stack8q:leaf=4", "quant8", 4}, {"stack8i:leaf=8,order=octant", "wide8", 8},
     };
     static bb_ray rays[RAYS];
     for (uint32_t run = 0; run < 6; run++) {
@@ -312,8 +312,9 @@ static void any_hit_ends_the_search(void **state)
     (void)state;
     enum { COPIES = 100 };
     static const char *const kernels[] = {
-        "stack",         "stackless", "trail",   "short8",          "stack4",
-        "stack8:leaf=8", "stack8q",   "stack8i", "stack8i:leaf=64", "cwbvh:leaf=3",
+        "stack",           "stackless",     "trail",          "short8",
+        "stack4",          "stack8:leaf=8", "stack8q",        "stack8i",
+        "stack8i:leaf=64", "cwbvh:leaf=3",  "packet8:leaf=8",
     };
     static bb_ray rays[RAYS];
     static bb_hit hits[RAYS];
@@ -403,8 +404,14 @@ static void a_stack_has_the_entries_that_it_says(void **state)
 {
     (void)state;
     static const char *const kernels[] = {
-        "stack:leaf=1",   "stack4:leaf=1",           "stack8:leaf=1",
-        "stack8q:leaf=1", "stack8i:leaf=1,group=64", "stack8i:rays=1,group=9",
+        "stack:leaf=1",
+        "stack4:leaf=1",
+        "stack8:leaf=1",
+        "stack8q:leaf=1",
+        "stack8i:leaf=1,group=64",
+        "stack8i:rays=1,group=9",
+        "packet:group=1,few=0",
+        "packet8:group=1,few=0,rays=16",
     };
     for (size_t k = 0; k < sizeof kernels / sizeof kernels[0]; k++)
         for (uint32_t size = 4; size <= 16; size *= 2)

@@ -1,8 +1,9 @@
 /* The stack8i kernel: kernels/stack_interleaved.cl on nodes of 8 children. */
-#include "traversal/traversal.h"
+#include "traversal/stack_wide.h"
 
 static const bb_option options[] = {
     {"rays", "32", "1|4|8|16|32|64", "rays in flight per work-item, which advance in turns"},
+    BB_ORDER_OPTION,
     {.name = NULL},
 };
 

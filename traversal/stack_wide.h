@@ -7,7 +7,7 @@
 
 #define BB_STACK_WIDE_KERNEL .source = "stack_wide.cl", .queries = BB_ALONG_RAYS, .ordered = true
 
-/* Option of kernels with 8 children. */
+/* Option of kernels with 8 children, also of other files. */
 #define BB_ORDER_OPTION                                                                            \
     {                                                                                              \
         "order", "sorted", "sorted|octant",                                                        \

@@ -22,6 +22,8 @@ const bb_option bb_embree_options[] = {
     {"query", "single", "single|packet4|packet8|packet16|stream",
      "rays of a call: one (rtcIntersect1), a packet (rtcIntersect4, 8, 16), or a stream "
      "(rtcIntersect1M, in Embree 3 only)"},
+    {"coherent", "no", "no|yes",
+     "yes: tells Embree that the rays of a call are near each other, for which it has other code"},
     {NULL, NULL, NULL, NULL},
 };
 
@@ -252,8 +254,9 @@ bb_status bb_embree_rebuild(bb_embree *embree, double *ms)
 bool bb_embree_same_tree(const bb_spec *a, const bb_spec *b)
 {
     for (const bb_option *o = bb_embree_options; o->name != NULL; o++)
-        if (strcmp(o->name, "query") != 0 && strcmp(bb_spec_value(a, bb_embree_options, o->name),
-                                                    bb_spec_value(b, bb_embree_options, o->name)))
+        if (strcmp(o->name, "query") != 0 && strcmp(o->name, "coherent") != 0 &&
+            strcmp(bb_spec_value(a, bb_embree_options, o->name),
+                   bb_spec_value(b, bb_embree_options, o->name)) != 0)
             return false;
     return true;
 }

@@ -12,6 +12,7 @@
 typedef struct RTCIntersectContext bb_intersect_arguments, bb_occluded_arguments;
 #define BB_INIT_INTERSECT rtcInitIntersectContext
 #define BB_INIT_OCCLUDED rtcInitIntersectContext
+#define BB_COHERENT RTC_INTERSECT_CONTEXT_FLAG_COHERENT
 #define BB_RAY_AND_ARGUMENTS(ray, arguments) (arguments), (ray)
 #elif BB_EMBREE_MAJOR == 4
 #include <embree4/rtcore.h>
@@ -19,20 +20,25 @@ typedef struct RTCIntersectArguments bb_intersect_arguments;
 typedef struct RTCOccludedArguments bb_occluded_arguments;
 #define BB_INIT_INTERSECT rtcInitIntersectArguments
 #define BB_INIT_OCCLUDED rtcInitOccludedArguments
+#define BB_COHERENT RTC_RAY_QUERY_FLAG_COHERENT
 #define BB_RAY_AND_ARGUMENTS(ray, arguments) (ray), (arguments)
 #else
 #error "bvhbench needs Embree 3 or 4: CMake sets BB_EMBREE_MAJOR"
 #endif
 
-/* Initialises arguments for incoherent rays without filters, once for many rays. */
-static inline void bb_intersect_arguments_init(bb_intersect_arguments *arguments)
+/* Initialises arguments for rays without filters, once for many rays. */
+static inline void bb_intersect_arguments_init(bb_intersect_arguments *arguments, bool coherent)
 {
     BB_INIT_INTERSECT(arguments);
+    if (coherent)
+        arguments->flags = BB_COHERENT;
 }
 
-static inline void bb_occluded_arguments_init(bb_occluded_arguments *arguments)
+static inline void bb_occluded_arguments_init(bb_occluded_arguments *arguments, bool coherent)
 {
     BB_INIT_OCCLUDED(arguments);
+    if (coherent)
+        arguments->flags = BB_COHERENT;
 }
 
 /* Member `m` of ray `i` of a packet of n rays whose size is known at run time: each member is an

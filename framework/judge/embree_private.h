@@ -30,6 +30,7 @@ struct bb_embree {
     RTCScene scene;
     bb_pool *pool;
     bb_embree_query query;
+    bool coherent;                      /* rays of a call are said to be near each other */
     uint32_t first_prim[BB_KIND_COUNT]; /* per geometry, in the scene's numbering */
     uint32_t geometries;
     user_kind users[BB_KIND_COUNT];

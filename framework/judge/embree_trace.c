@@ -35,6 +35,7 @@ bb_status bb_embree_set_query(bb_embree *embree, const bb_spec *spec)
         [BB_QUERY_STREAM] = {"stream", -2},
 #endif
     };
+    embree->coherent = spec != NULL && bb_spec_is(spec, bb_embree_options, "coherent", "yes");
     embree->query = BB_QUERY_SINGLE;
     for (size_t i = 0; spec != NULL && i < sizeof queries / sizeof queries[0]; i++)
         if (bb_spec_is(spec, bb_embree_options, "query", queries[i].name))
@@ -102,7 +103,7 @@ static inline struct RTCRayHit start_hit(const bb_ray *ray)
 static void closest_single(trace_job *job, size_t begin, size_t end)
 {
     bb_intersect_arguments arguments;
-    bb_intersect_arguments_init(&arguments);
+    bb_intersect_arguments_init(&arguments, job->embree->coherent);
     for (size_t i = begin; i < end; i++) {
         struct RTCRayHit hit = start_hit(&job->rays[i]);
         if (!is_too_large(&job->rays[i]))
@@ -114,7 +115,7 @@ static void closest_single(trace_job *job, size_t begin, size_t end)
 static void any_single(trace_job *job, size_t begin, size_t end)
 {
     bb_occluded_arguments arguments;
-    bb_occluded_arguments_init(&arguments);
+    bb_occluded_arguments_init(&arguments, job->embree->coherent);
     for (size_t i = begin; i < end; i++) {
         struct RTCRay ray = convert(&job->rays[i]);
         if (!is_too_large(&job->rays[i]))
@@ -148,7 +149,7 @@ static void any_single(trace_job *job, size_t begin, size_t end)
     static void closest_packet##n(trace_job *job, size_t begin, size_t end)                        \
     {                                                                                              \
         bb_intersect_arguments arguments;                                                          \
-        bb_intersect_arguments_init(&arguments);                                                   \
+        bb_intersect_arguments_init(&arguments, job->embree->coherent);                            \
         for (size_t at = begin; at < end; at += n) {                                               \
             _Alignas(64) int valid[n];                                                             \
             _Alignas(64) struct RTCRayHit##n packet;                                               \
@@ -165,7 +166,7 @@ static void any_single(trace_job *job, size_t begin, size_t end)
     static void any_packet##n(trace_job *job, size_t begin, size_t end)                            \
     {                                                                                              \
         bb_occluded_arguments arguments;                                                           \
-        bb_occluded_arguments_init(&arguments);                                                    \
+        bb_occluded_arguments_init(&arguments, job->embree->coherent);                             \
         for (size_t at = begin; at < end; at += n) {                                               \
             _Alignas(64) int valid[n];                                                             \
             _Alignas(64) struct RTCRay##n packet;                                                  \
@@ -194,7 +195,7 @@ static void hide(struct RTCRay *ray)
 static void closest_stream(trace_job *job, size_t begin, size_t end)
 {
     bb_intersect_arguments arguments;
-    bb_intersect_arguments_init(&arguments);
+    bb_intersect_arguments_init(&arguments, job->embree->coherent);
     for (size_t at = begin; at < end; at += STREAM) {
         struct RTCRayHit hits[STREAM];
         const size_t count = end - at < STREAM ? end - at : STREAM;
@@ -213,7 +214,7 @@ static void closest_stream(trace_job *job, size_t begin, size_t end)
 static void any_stream(trace_job *job, size_t begin, size_t end)
 {
     bb_occluded_arguments arguments;
-    bb_occluded_arguments_init(&arguments);
+    bb_occluded_arguments_init(&arguments, job->embree->coherent);
     for (size_t at = begin; at < end; at += STREAM) {
         struct RTCRay rays[STREAM];
         const size_t count = end - at < STREAM ? end - at : STREAM;

@@ -7,7 +7,7 @@ set -euo pipefail
 program=$(realpath "$1") folder=$2 percent=${3:-5} pairs=${4:-20} trials=${5:-1}
 source=$(cd "$(dirname "$0")/../.." && pwd)
 arguments=("${@:6}")
-[ ${#arguments[@]} -gt 0 ] || arguments=(--scene sphere-mesh:n=60 --builder lbvh,sah --kernel stack,stack8
+[ ${#arguments[@]} -gt 0 ] || arguments=(--scene sphere-mesh:n=300 --builder lbvh,hploc --kernel stack,stack8
     --rays primary,random:count=40000 --size 256x256 --repeats 6)
 mkdir -p "$folder"
 folder=$(cd "$folder" && pwd)
@@ -20,13 +20,13 @@ plant() {
 }
 
 # slowed NAME KERNEL BUILD LAYOUT: a program with loops of so many turns in the kernel `stack`, at each sixteenth node; in the build of
-# `lbvh`, for each eight primitives; in the layout `pair`, at each node.
+# `lbvh`, at each 64th leaf; in the layout `pair`, at each 16th node.
 slowed() {
     local kernels=$folder/kernels-$1
     mkdir -p "$kernels"
-    plant kernels/stack.cl "$2" 'search->boxes += 2;' '(search->boxes \& 31) == 0'
-    plant builders/common/codes.cl "$3" 'uint i = get_global_id(0) \* BB_CODE_LANES;' true
-    plant kernels/layout_pair.cl "$4" 'uint children = base\[n + 1\] - base\[n\] + 1u;' true
+    plant kernels/stack_pair.clh "$2" 'search->boxes += 2;' '(search->boxes \& 31) == 0'
+    plant builders/common/radix_tree.cl "$3" 'start_leaf_ahead(&w, i, starts, values, boxes, refs, ref_end);' '(i \& 63) == 0'
+    plant kernels/layout_pair.cl "$4" 'uint children = base\[n + 1\] - base\[n\] + 1u;' '(n \& 15) == 0'
     printf '#!/bin/sh\nexec "%s" "$@" --kernels-from "%s"\n' "$program" "$kernels" >"$folder/$1"
     chmod +x "$folder/$1"
 }
@@ -61,7 +61,7 @@ calibrate() {
 
 slowed none 0 0 0
 turns=()
-calibrate 400 800 400
+calibrate 400 2000 400
 calibrate "${turns[@]}"
 slowed planted "${turns[@]}"
 failed=0
