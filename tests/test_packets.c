@@ -117,7 +117,8 @@ static void packets_answer_as_brute_force(void **state)
     bb_ray *rays = calloc(RAYS, sizeof *rays);
     bb_hit *right = calloc(RAYS, sizeof *right), *found = calloc(RAYS, sizeof *found);
     for (size_t s = 0; s < sizeof scenes / sizeof scenes[0]; s++)
-        for (const bb_query *query = &bb_query_closest; query <= &bb_query_any; query++) {
+        for (int any = 0; any < 2; any++) {
+            const bb_query *query = any ? &bb_query_any : &bb_query_closest;
             bed b;
             open_bed(&b, load(scenes[s]), "null", "stack", 1);
             make_rays(b.scene, rays);
@@ -127,7 +128,7 @@ static void packets_answer_as_brute_force(void **state)
             for (size_t k = 0; k < sizeof kernels / sizeof kernels[0]; k++) {
                 choose_kernel(&b, kernels[k], k % 2 == 0 ? 1 : 8);
                 expect(&b, query, rays, RAYS, right, found);
-                for (uint32_t count = 1; count <= LONGEST && s == 0; count++)
+                for (uint32_t count = 1; count <= LONGEST && s == 0 && k % 3 == 1; count++)
                     expect(&b, query, rays, count, right, found);
             }
             close_bed(&b);
