@@ -17,8 +17,8 @@ planned() { # FILE
 cells() { # FILE...: keys of traces, and of builds that were measured
     jq -r '.rows[] | select(.unmeasured != "yes") | .cell // empty' "$@" | sort
 }
-exact() { # FILE: all that no clock decides, by cell
-    jq -S '([.columns[] | select(.sense == "timed") | .name] + ["unlike_whom"]) as $timed
+exact() { # FILE: all that neither a clock decides nor the order of turns (whoever is judged first has a ray arbitrated), by cell
+    jq -S '([.columns[] | select(.sense == "timed") | .name] + ["unlike_whom", "arbitrated"]) as $timed
         | [.rows[] | select(.builder) | del(.[$timed[]])] | sort_by(.scene, .question, .view, .builder, .kernel, .maker)' "$1"
 }
 
