@@ -21,11 +21,14 @@
  * too little.
  *
  *   BB_RAYS         rays in flight
+ *   BB_ORDER        sorted, or octant: wide.clh
  *   BB_STACK_SIZE   entries
  *   and those of trace.clh
  *
  * Stack entries are distances without their last 3 bits, which hold the child's place during
- * sorting. They are rounded down, so that nothing is culled that could still contain a hit.
+ * sorting. They are rounded down, so that nothing is culled that could still contain a hit. Queries
+ * whose hits cull nothing take the children as they stand in the node, without sorting and
+ * distances.
  */
 #define BB_STEADY 1
 #include "bb_device.h"
@@ -44,7 +47,7 @@
 #define BB_STACK_SIZE 64
 #endif
 #define BB_PLACE_BITS 7u /* the bits of an entry that hold its child */
-/* 1: hits shorten a ray, so that it is worth visiting near children first */
+/* 1: hits shorten the ray, so that it pays to visit near children first */
 #if defined(BB_QUERY_ANY) || defined(BB_QUERY_INTERVAL)
 #define BB_SHORTENED 0
 #else
@@ -125,9 +128,8 @@ static void bb_flight_at_node(bb_flight *f, global const bb_wide *nodes, global 
         f->link = BB_NONE;
         return;
     }
-    uint8 places = (uint8)(0, 1, 2, 3, 4, 5, 6, 7);
 #if BB_BY_OCTANT
-    uint8 order = places ^ f->farthest;
+    uint8 order = (uint8)(0, 1, 2, 3, 4, 5, 6, 7) ^ f->farthest;
     uint bits = bb_bits8(as_int8(bb_pick8(met, order)));
 #if BB_SHORTENED
     vstore8(bb_compress8(bb_pick8(as_uint8(entry), order), bits), 0, f->entries + top);
@@ -137,6 +139,7 @@ static void bb_flight_at_node(bb_flight *f, global const bb_wide *nodes, global 
     vstore8(bb_compress8(vload8(0, node->links), bb_bits8(as_int8(met))), 0, f->links + top);
 #else
     /* distances are above 0, so their bits have the same order, and children not met come last */
+    uint8 places = (uint8)(0, 1, 2, 3, 4, 5, 6, 7);
     uint8 sorted = bb_sort_lanes(((as_uint8(entry) & ~BB_PLACE_BITS) | places) & met);
     vstore8(sorted & ~BB_PLACE_BITS, 0, f->entries + top);
     vstore8(bb_pick8(vload8(0, node->links), sorted), 0, f->links + top);

@@ -46,6 +46,8 @@ static const char *const modes[] = {
     "e:quality=low,mode=robust",
     "e:query=packet4",
     "e:query=packet8,mode=fast",
+    "e:query=packet8,coherent=yes",
+    "e:query=stream,coherent=yes",
     "e:query=packet16,mode=robust",
     "e:query=stream",
 };

@@ -115,12 +115,15 @@ static void kernels_for_cpus_tell_their_memory(void **state)
 {
     (void)state;
     const outcome *o = run_with(
-        MOCK, "run " FEW "--scene cube --builder lbvh --rays random --kernel stack8i,stack,stack4 "
+        MOCK, "run " FEW
+              "--scene cube --builder lbvh --rays random --kernel stack8i,stack,stack4,packet8 "
               "--out private");
     assert_int_equal(o->exit_status, 0);
     /* 32 rays in flight, each with 16 entries of 8 bytes */
     expect_word(o->err, "stack8i is for CPUs: the stacks of a work-item are 4096 bytes", true);
     expect_word(o->err, "stack4 is for CPUs: the stacks of a work-item are 128 bytes", true);
+    /* one stack, as large as 16 */
+    expect_word(o->err, "packet8 is for CPUs: the stacks of a work-item are 2048 bytes", true);
     expect_word(o->err, "stack is for CPUs", false);
     o = run("run " FEW "--scene cube --builder lbvh --rays random --kernel stack8i --out private");
     expect_word(o->err, "is for CPUs", false);

@@ -138,7 +138,7 @@ static void packets_answer_as_brute_force(void **state)
     free(found);
 }
 
-/* Sums of a ray's counts do not depend on its neighbours by more than the packet's own tests. */
+/* Equal rays take part in the same tests, and have equal counts. */
 static void every_ray_of_a_packet_is_counted(void **state)
 {
     (void)state;
@@ -154,7 +154,7 @@ static void every_ray_of_a_packet_is_counted(void **state)
         rays[i] = first;
     choose_kernel(&b, "packet8:rays=16", 8);
     trace(&b, "exact", rays, 16, &bb_query_closest, hits, counts);
-    for (uint32_t i = 0; i < 16; i++) { /* equal rays take part in the same tests */
+    for (uint32_t i = 0; i < 16; i++) {
         assert_int_equal(counts[i].nodes, counts[0].nodes);
         assert_int_equal(counts[i].prims, counts[0].prims);
         assert_int_equal(counts[i].overflow, 0);

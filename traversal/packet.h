@@ -5,6 +5,8 @@
 
 #include "traversal/traversal.h"
 
+enum { BB_PACKET_MOST = 16 }; /* rays of a packet */
+
 #define BB_PACKET_OPTIONS                                                                          \
     {"rays", "auto", "auto|8|16",                                                                  \
      "rays of a packet; auto: 16 where vectors have 16 lanes, else 8"},                            \

@@ -6,11 +6,15 @@
  */
 #include "traversal/stack_room.h"
 
+#include "traversal/packet.h"
+
 enum { ITEMS_PER_UNIT = 2048, SHARE = 4 };
 
 uint32_t bb_stacks_of_item(const bb_kernel *kernel, const bb_spec *spec)
 {
     uint64_t rays = 1;
+    if (bb_spec_is(spec, kernel->options, "rays", "auto"))
+        return BB_PACKET_MOST;
     if (kernel->batched &&
         bb_spec_u64(spec, kernel->options, "rays", 1, UINT32_MAX, &rays) != BB_OK)
         rays = 1; /* the kernel has no such option */

@@ -6,7 +6,8 @@
 
 enum { BB_STACK_ENTRY_BYTES = 8 }; /* a link and a distance */
 
-/* Returns the number of stacks per work-item: one per ray that it has in flight. */
+/* Returns the number of stacks per work-item: one per ray that it has in flight. (A packet has one,
+ * which is as large.) */
 uint32_t bb_stacks_of_item(const bb_kernel *kernel, const bb_spec *spec);
 
 /* Returns how many entries each stack may have if each work-item has `stacks` of them: a power of

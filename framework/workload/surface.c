@@ -262,8 +262,8 @@ bb_status bb_surface_rays(bb_rays_job *job, uint32_t per_hit, bb_surface_maker *
     return status;
 }
 
-/* Numbers a ray's random numbers by its direction, so that rays that another oracle loses do not
- * change those of others. */
+/* Returns the random numbers' stream of the ray after this one. It follows from the ray alone: if
+ * another version of Embree loses a hit, the other paths stay the same. */
 static uint64_t stream_of(const bb_ray *ray)
 {
     uint32_t bits[3];

@@ -20,8 +20,9 @@ typedef bb_status bb_surface_maker(void *context, const bb_surface_point *point,
 bb_status bb_surface_rays(bb_rays_job *job, uint32_t per_hit, bb_surface_maker *make,
                           void *context);
 
-/* Makes of each ray that hits something, which job->rays has by now, the next one of its path, by
- * bounce number `bounce`, from 2 on; the others end. BB_UNSUPPORTED if all do. */
+/* Replaces each ray of job->rays by the next ray of its path, number `bounce` (2 or more), which
+ * starts where the earlier one hits. Paths that hit nothing end. BB_UNSUPPORTED if all of them do.
+ */
 bb_status bb_surface_go_on(bb_rays_job *job, uint32_t bounce, bb_surface_maker *make,
                            void *context);
 

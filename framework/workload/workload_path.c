@@ -6,10 +6,13 @@
 #include "framework/workload/workload.h"
 
 static const bb_option options_table[] = {
-    {"bounce", "2", NULL, "1 to 64: 1 for the rays from primary hits, 2 for those from their hits"},
+    {"bounce", "2", NULL,
+     "which rays of the paths, 1 to 64: 1 starts at primary hits, 2 where these rays hit"},
     BB_OFFSET_OPTION,
     BB_TMIN_OPTION,
-    BB_LEAST_OPTION,
+    {"least", NULL, NULL,
+     "at least so many paths begin: more pictures are taken, each ray at a random place of its "
+     "pixel; default: one picture"},
     BB_END_OPTION,
 };
 
