@@ -59,7 +59,7 @@ END {
         for (i = 4; i <= columns; i++)
             if (figure(key, i) != "-") compare(key, i, figure(key, i))
         if (write == "no" && !(key in known))
-            complain(key ": no row in kernels/isa.tsv: scripts/isa --write makes one")
+            complain(key ": no row in kernels/isa.tsv: scripts/isa --write --clang " clang " makes one")
     }
     for (key in known)
         if (write == "no" && !(key in found))

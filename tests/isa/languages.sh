@@ -6,8 +6,8 @@ set -euo pipefail
 export LC_ALL=C
 source "$(dirname "$0")/programs.sh"
 sources=$1 records=$2
-find_clang || {
-    echo "languages: skipped: $no_clang"
+find_clang 15 19 || {
+    echo "languages: skipped: neither clang 15 nor 19 with its libclc is installed"
     exit 77
 }
 status=0

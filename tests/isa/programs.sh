@@ -1,12 +1,10 @@
 # What the checks of recorded programs share (record.sh): the compiler, and a program's options.
 
-no_clang="neither clang-15 with libclc-15 nor clang-19 with libclc-19 is installed"
-
-# Sets `clang` to the first major of Debian 12's and 13's that is here with libclc: of one version,
+# Sets `clang` to the first of the major versions given that is here with libclc: of one version,
 # since libclc is bitcode.
 find_clang() {
     local state
-    for clang in 15 19; do
+    for clang in "$@"; do
         state=$(dpkg-query -W -f '${db:Status-Status}' "libclc-$clang" 2>/dev/null || true)
         ! command -v "clang-$clang" >/dev/null || [ "$state" != installed ] || return 0
     done

@@ -10,7 +10,7 @@ for version in ${versions:?no version of clang has rows}; do
         awk -v version="$version" -v kernel="$kernel" \
             '$1 == version && $2 == kernel && $3 == "trace" { found = 1 } END { exit !found }' \
             <<<"$table" || {
-            echo "rows: kernel $kernel has no row for clang $version: scripts/isa --write"
+            echo "rows: kernel $kernel has no row for clang $version: scripts/isa --write --clang $version"
             status=1
         }
     done
