@@ -66,8 +66,8 @@ static void each_is_found_and_nobody_else(void **state)
     expect_reason("first", "which it had not seen: ");
     expect_reason("prepared", "which it had not seen: ");
     expect_reason("early", "which it had not seen: ");
-    expect_reason("spins", "cheat left a thread at work behind in build()");
-    expect_reason("late", "cheat left a thread at work behind in build()");
+    expect_reason("spins", "cheat left a thread at work (");
+    expect_reason("late", "cheat left a thread at work (");
     expect_reason("process", "cheat left a process behind in build()");
     expect_reason("boxes", "cheat wrote into the scene's boxes in build()");
     expect_reason("device-boxes", "cheat wrote into the scene's boxes on the device in build()");

@@ -80,6 +80,21 @@ static bool is_runnable(int id)
     return state == 'R';
 }
 
+/* Gets the thread's own name, as its library gave it; "" if it has ended. */
+static void get_name(int id, char *name, size_t size)
+{
+    char path[64];
+    snprintf(path, sizeof path, "/proc/self/task/%d/comm", id);
+    FILE *file = fopen(path, "r");
+    name[0] = '\0';
+    if (file == NULL)
+        return;
+    if (fgets(name, (int)size, file) == NULL)
+        name[0] = '\0';
+    name[strcspn(name, "\n")] = '\0';
+    fclose(file);
+}
+
 /* Forgets threads that have ended, and takes those that are new as the builder's. */
 static void update(const bb_idle *before, const bb_idle *now, uint64_t builder)
 {
@@ -150,21 +165,27 @@ static void wait_for_sleep(const bb_idle *before, uint64_t builder, bb_idle *now
 
 const char *bb_idle_left(const bb_idle *before, const char *builder)
 {
-    static char text[64];
+    static char text[160];
     const uint64_t hash = XXH3_64bits(builder, strlen(builder));
     bb_idle now;
     wait_for_sleep(before, hash, &now);
     uint32_t count = 0;
+    const thread *first = NULL;
     for (uint32_t i = 0; i < thread_count; i++) {
         thread *t = &threads[i];
         if (!t->found || t->told || (t->builder != 0 && t->builder != hash))
             continue;
         t->told = true;
-        count++;
+        first = count++ == 0 ? t : first;
     }
-    if (count > 0)
-        snprintf(text, sizeof text, count > 1 ? "%u threads at work" : "a thread at work", count);
+    if (first == NULL)
+        return now.children && !before->children ? "a process" : NULL;
+    char name[32];
+    get_name(first->id, name, sizeof name);
+    if (count == 1)
+        snprintf(text, sizeof text, "a thread at work (%s, %.0f ms since)", name, first->since_ms);
     else
-        snprintf(text, sizeof text, now.children && !before->children ? "a process" : "");
-    return text[0] != '\0' ? text : NULL;
+        snprintf(text, sizeof text, "%u threads at work (one: %s, %.0f ms since)", count, name,
+                 first->since_ms);
+    return text;
 }
