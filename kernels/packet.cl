@@ -35,10 +35,12 @@
 #define BB_TRACE_NODE float /* bb_pair[] */
 #define BB_PLANES_AT(nodes, link) ((nodes) + 16ul * (link))
 #define BB_LINKS_AT(nodes, link) ((global const uint *)((nodes) + 16ul * (link)) + 12)
+#define BB_CHILDREN_AT(nodes, link) 3u
 #else
 #define BB_TRACE_NODE bb_wide
 #define BB_PLANES_AT(nodes, link) (nodes)[link].planes
 #define BB_LINKS_AT(nodes, link) (nodes)[link].links
+#define BB_CHILDREN_AT(nodes, link) ((1u << (nodes)[link].count) - 1u)
 #endif
 #include "trace_alone.clh"
 
@@ -49,31 +51,35 @@ typedef struct bb_packet_waiting {
     uint link;
 } bb_packet_waiting;
 
-/* Traces some rays of a packet, given as bits, one by one from `link` on. Returns false if a stack
- * was too short. */
-static bool packet_few(bb_packet *p, uint which, global const BB_TRACE_NODE *nodes,
+/* Traces some rays of a packet, given as bits, one by one from `link` on. Returns those whose stack
+ * was too short, which are traced no further. */
+static uint packet_few(bb_packet *p, uint which, global const BB_TRACE_NODE *nodes,
                        global const float *leaf_prims, uint link, const bb_prim_ends *ends)
 {
-    bool enough = true;
+    uint failed = 0;
     while (which != 0u) {
         uint ray = 31u - clz(which);
         which ^= 1u << ray;
         bb_lone scratch, *lone = bb_lone_of(p, ray, &scratch);
-        enough &= trace_ray(&lone->search, &lone->setup, &lone->slab, nodes, leaf_prims, link,
-                            ends);
+        bool enough = trace_ray(&lone->search, &lone->setup, &lone->slab, nodes, leaf_prims, link,
+                                ends);
         bb_lone_return(p, ray, lone);
+        if (enough)
+            continue;
+        failed |= 1u << ray;
+        ((float *)&p->tmax)[ray] = -INFINITY;
     }
     bb_packet_shortened(p);
-    return enough;
+    return failed;
 }
 
-/* Pushes the children of a node that some ray meets, the farthest first. Returns false if the stack
- * is too short. */
-bool packet_node(bb_packet *p, bb_ray_floats entered, global const float *planes,
+/* Pushes the children of a node, given as bits, that some ray meets, the farthest first. Returns
+ * false, and pushes none, if the stack is too short. */
+bool packet_node(bb_packet *p, bb_ray_floats entered, global const float *planes, uint children,
                  global const uint *links, bb_packet_waiting stack[BB_STACK_SIZE + 1], uint *top)
 {
     const uint bottom = *top;
-    uint met = bb_packet_may_meet(p, planes);
+    uint met = bb_packet_may_meet(p, planes) & children;
     while (met != 0u) {
         uint child = 31u - clz(met);
         met ^= 1u << child;
@@ -81,8 +87,10 @@ bool packet_node(bb_packet *p, bb_ray_floats entered, global const float *planes
         float nearest = bb_least_of(entry);
         if (nearest == INFINITY)
             continue;
-        if (*top > BB_STACK_SIZE)
+        if (*top > BB_STACK_SIZE) {
+            *top = bottom;
             return false;
+        }
         uint at = (*top)++;
         for (; at > bottom && stack[at - 1u].nearest < nearest; at--)
             stack[at] = stack[at - 1u];
@@ -93,12 +101,13 @@ bool packet_node(bb_packet *p, bb_ray_floats entered, global const float *planes
     return true;
 }
 
-/* Traces a packet. Returns false if a stack was too short. */
-static bool trace_packet(bb_packet *p, global const BB_TRACE_NODE *nodes,
+/* Traces a packet. Where its stack is too short, which has to hold what any of the rays meets, each
+ * goes on alone. Returns the rays whose own stack was too short, as bits. */
+static uint trace_packet(bb_packet *p, global const BB_TRACE_NODE *nodes,
                          global const float *leaf_prims, uint root, const bb_prim_ends *ends)
 {
     bb_packet_waiting stack[BB_STACK_SIZE + 1]; /* the node that is next is on it, too */
-    uint top = 1;
+    uint top = 1, failed = 0;
     stack[0].entry = p->tmin <= p->tmax ? p->tmin : (bb_ray_floats)(INFINITY);
     stack[0].link = root;
     while (top > 0u) {
@@ -107,17 +116,16 @@ static bool trace_packet(bb_packet *p, global const BB_TRACE_NODE *nodes,
         uint link = stack[top].link, active = BB_RAY_BITS(entered <= p->tmax);
         if (active == 0u)
             continue;
-        if (popcount(active) <= BB_FEW) {
-            if (!packet_few(p, active, nodes, leaf_prims, link, ends))
-                return false;
-        } else if ((link & BB_LEAF_BIT) != 0) {
+        bool alone = popcount(active) <= BB_FEW;
+        if (!alone && (link & BB_LEAF_BIT) != 0)
             bb_packet_leaf(p, entered, leaf_prims, link, ends);
-        } else if (!packet_node(p, entered, BB_PLANES_AT(nodes, link), BB_LINKS_AT(nodes, link),
-                                stack, &top)) {
-            return false;
-        }
+        else if (!alone)
+            alone = !packet_node(p, entered, BB_PLANES_AT(nodes, link), BB_CHILDREN_AT(nodes, link),
+                                 BB_LINKS_AT(nodes, link), stack, &top);
+        if (alone)
+            failed |= packet_few(p, active, nodes, leaf_prims, link, ends);
     }
-    return true;
+    return failed;
 }
 
 /* Not inlined: a driver that runs a group's work-items in a loop might keep the packets of each. */
@@ -136,14 +144,15 @@ trace_batch(uint first, uint count, global const BB_TRACE_NODE *nodes,
         for (uint rest = left_out; rest != 0u; rest &= rest - 1u)
             trace_and_write(ids[31u - clz(rest & -rest)], nodes, leaf_prims, root, ends, scale,
                             rays, results BB_COUNTS BB_QUERY_VALUES);
-        bool enough = trace_packet(&packet, nodes, leaf_prims, root, ends);
+        uint failed = trace_packet(&packet, nodes, leaf_prims, root, ends);
 #if !BB_HITS_ONLY
-        for (uint i = 0; i < taken && enough; i++)
-            while (enough && BB_QUERY_AGAIN(&packet.lone[i].search))
-                enough = trace_ray(&packet.lone[i].search, &packet.lone[i].setup,
-                                   &packet.lone[i].slab, nodes, leaf_prims, root, ends);
+        for (uint i = 0; i < taken; i++)
+            while ((failed >> i & 1u) == 0u && BB_QUERY_AGAIN(&packet.lone[i].search))
+                if (!trace_ray(&packet.lone[i].search, &packet.lone[i].setup, &packet.lone[i].slab,
+                               nodes, leaf_prims, root, ends))
+                    failed |= 1u << i;
 #endif
-        bb_packet_write(&packet, ids, ((1u << taken) - 1u) & ~left_out, enough,
+        bb_packet_write(&packet, ids, ((1u << taken) - 1u) & ~left_out, failed,
                         results BB_COUNTS);
     }
 }

@@ -10,9 +10,9 @@
 
 enum { SIDE = 16, LOOSE = 200, RAYS = 3 * SIDE * SIDE + LOOSE };
 
-static const char *const kernels[] = {"stack",   "stackless", "short:entries=2",
-                                      "trail",   "stack4",    "stack8:order=octant",
-                                      "stack8q", "short8",    "cwbvh"};
+static const char *const kernels[] = {
+    "stack",   "stackless", "short:entries=2", "trail",          "stack4", "stack8:order=octant",
+    "stack8q", "short8",    "cwbvh",           "stack8i:rays=8", "packet", "packet8:rays=8"};
 enum { KERNELS = sizeof kernels / sizeof kernels[0] };
 
 /* For slow tools. */

@@ -163,11 +163,74 @@ static void every_ray_of_a_packet_is_counted(void **state)
     close_bed(&b);
 }
 
+/* An interval query cuts nothing, so each ray is tested with the primitives of all leaves whose
+ * boxes it meets, alone or in a packet. */
+static void packets_test_no_other_primitives(void **state)
+{
+    (void)state;
+    static const char *const kernels[] = {"stack8", "packet8:few=0", "packet8"};
+    const bb_query *query = bb_query_find("interval");
+    bb_ray *rays = calloc(RAYS, sizeof *rays);
+    bb_interval *found = calloc(RAYS, sizeof *found);
+    bb_count *counts = calloc(2 * RAYS, sizeof *counts);
+    bed b;
+    open_bed(&b, load("interior:n=3000"), "lbvh", "stack", 1);
+    make_rays(b.scene, rays);
+    for (int k = 0; k < 3; k++) {
+        choose_kernel(&b, kernels[k], 8);
+        trace(&b, "exact", rays, RAYS, query, found, k == 0 ? counts : counts + RAYS);
+        for (uint32_t i = 0; i < RAYS && k > 0; i++)
+            if (counts[i].prims != counts[RAYS + i].prims)
+                fail_msg("%s, ray %u, packet %s: %u tests of primitives, not %u (seed %llu)",
+                         kernels[k], i, kinds[i / 16 % KINDS], counts[RAYS + i].prims,
+                         counts[i].prims, (unsigned long long)seed);
+    }
+    close_bed(&b);
+    free(rays);
+    free(found);
+    free(counts);
+}
+
+/* With a stack that is too short a ray has the right answer, or none and is counted. */
+static void short_stacks_spoil_no_others(void **state)
+{
+    (void)state;
+    bb_ray *rays = calloc(RAYS, sizeof *rays);
+    bb_hit *right = calloc(RAYS, sizeof *right), *found = calloc(RAYS, sizeof *found);
+    bb_count *counts = calloc(RAYS, sizeof *counts);
+    uint32_t overflowed[2] = {0};
+    bed b;
+    open_bed(&b, load("interior:n=3000"), "lbvh", "stack", 1);
+    make_rays(b.scene, rays);
+    trace(&b, "exact", rays, RAYS, &bb_query_closest, right, NULL);
+    for (int k = 0; k < 2; k++) {
+        choose_kernel(&b, k == 0 ? "stack8:stack=8" : "packet8:stack=8", 1);
+        memset(found, 0x55, RAYS * sizeof *found);
+        trace(&b, "exact", rays, RAYS, &bb_query_closest, found, counts);
+        for (uint32_t i = 0; i < RAYS; i++) {
+            overflowed[k] += counts[i].overflow;
+            if (counts[i].overflow == 0 && !is_same(&bb_query_closest, &right[i], &found[i]))
+                fail_msg("%s, ray %u: a wrong answer (seed %llu)", b.kernel.text, i,
+                         (unsigned long long)seed);
+        }
+    }
+    if (overflowed[0] == 0 || overflowed[1] > overflowed[0])
+        fail_msg("%u rays lack an answer alone, %u in packets (seed %llu)", overflowed[0],
+                 overflowed[1], (unsigned long long)seed);
+    close_bed(&b);
+    free(rays);
+    free(right);
+    free(found);
+    free(counts);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(packets_answer_as_brute_force),
         cmocka_unit_test(every_ray_of_a_packet_is_counted),
+        cmocka_unit_test(packets_test_no_other_primitives),
+        cmocka_unit_test(short_stacks_spoil_no_others),
     };
     return cmocka_run_group_tests(tests, open_device, close_device);
 }

@@ -230,7 +230,7 @@ static void any_stream(trace_job *job, size_t begin, size_t end)
 }
 
 #else
-/* bb_embree_take_query() refuses streams */
+/* bb_embree_set_query() refuses streams */
 #define closest_stream closest_single
 #define any_stream any_single
 #endif

@@ -9,7 +9,7 @@ typedef struct bb_rays_request {
     const bb_spec *spec; /* workload and parameters */
     const bb_view *view; /* NULL for sets per scene: the primary hits of all views are sampled */
     uint32_t width, height;
-    uint32_t max_rays; /* ao, diffuse, shadow, random: at most this many */
+    uint32_t max_rays; /* ao, diffuse, path, shadow, random: at most this many */
     uint64_t seed;
 } bb_rays_request;
 

@@ -1,6 +1,6 @@
 /* Makes a ray set from a specification. Rays are computed in doubles and rounded to float once.
- * They only depend on scene, view, picture size, options and seed; secondary ones also on Embree's
- * primary hits. */
+ * They only depend on scene, view, picture size, options and seed; secondary ones also on what
+ * Embree hits on the way to them. */
 #include "framework/workload/workload.h"
 
 #include "framework/base/suggest.h"

@@ -27,9 +27,9 @@ bb_status bb_workload_parse(const char *text, bb_spec *spec, const bb_workload *
  * known without a scene, need more memory than the host has. */
 bb_status bb_workload_check(const char *text, uint32_t max_rays);
 
-/* Writes to `more` a specification of the same rays, but at least `least` of them: `text` with
- * least=, unless it has that itself, or its kind has no pictures and thus as many rays as the run's
- * limit anyway. BB_INVALID if `capacity` is too small. */
+/* Writes to `more` a specification of the same rays, but at least `least` of them (of `path`: paths
+ * that begin): `text` with least=, unless it has that itself, or its kind has no pictures and thus
+ * as many rays as the run's limit anyway. BB_INVALID if `capacity` is too small. */
 bb_status bb_workload_at_least(const char *text, uint32_t least, char *more, size_t capacity);
 
 /* Returns whether each of these rays must hit something: they are aimed at a closed mesh from
