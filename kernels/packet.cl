@@ -27,6 +27,7 @@
 #include "stack_wide.clh"
 #endif
 #include "packet.clh"
+#include "ray_order.clh"
 
 #ifndef BB_FEW
 #define BB_FEW 4
@@ -132,13 +133,13 @@ static uint trace_packet(bb_packet *p, global const BB_TRACE_NODE *nodes,
 __attribute__((noinline)) static void
 trace_batch(uint first, uint count, global const BB_TRACE_NODE *nodes,
             global const float *leaf_prims, uint root, const bb_prim_ends *ends, float scale,
-            global const bb_ray *rays,
+            global const bb_ray *rays BB_RAY_ORDER_ARGUMENT,
             global bb_result *results BB_COUNTS_ARGUMENT BB_QUERY_ARGUMENTS)
 {
     for (uint at = 0; at < count; at += BB_PACKET) {
         uint ids[BB_PACKET], taken = min(count - at, (uint)BB_PACKET);
         for (uint i = 0; i < BB_PACKET; i++)
-            ids[i] = first + at + min(i, taken - 1u);
+            ids[i] = BB_RAY_AT(first + at + min(i, taken - 1u));
         bb_packet packet;
         uint left_out = bb_packet_make(&packet, rays, ids, taken, scale BB_QUERY_VALUES);
         for (uint rest = left_out; rest != 0u; rest &= rest - 1u)

@@ -38,6 +38,7 @@
 #ifndef BB_LANES
 #define BB_LANES BB_BLOCK_LANES
 #endif
+#include "ray_order.clh"
 #include "search.clh"
 
 #ifndef BB_RAYS
@@ -61,10 +62,14 @@ typedef struct bb_flight {
     uint id;
     uint link; /* the ray's position; BB_NONE: it has ended */
     bool enough; /* whether the stack had room for all children met */
+#if BB_BY_OCTANT
     uint farthest; /* the place of a node's farthest child by octant */
+#endif
     uint top; /* of the stack: entries 0 to top - 1; the first is BB_NONE and never obsolete */
     uint links[BB_STACK_SIZE + 9]; /* up to 8 above the top are written */
+#if BB_SHORTENED
     uint entries[BB_STACK_SIZE + 9];
+#endif
 } bb_flight;
 
 /* Compares each lane of k with that of `swizzle`; the lanes in `lower` keep the smaller one. */
@@ -166,7 +171,9 @@ static void bb_flight_at_leaf(bb_flight *f, global const bb_wide *nodes, global 
 void bb_flight_to_root(bb_flight *f, uint root)
 {
     f->links[0] = BB_NONE;
+#if BB_SHORTENED
     f->entries[0] = as_uint(-INFINITY); /* never obsolete, however short the ray becomes */
+#endif
     f->top = 1;
     f->link = root;
 }
@@ -178,7 +185,9 @@ void bb_flight_start(bb_flight *f, uint id, uint root, float scale,
     f->enough = true;
     bb_ray_setup_make(&f->setup, &rays[id], scale);
     f->slab = bb_slab_of(f->setup.o, f->setup.d);
+#if BB_BY_OCTANT
     f->farthest = 7u ^ bb_octant_of(f->setup.d);
+#endif
     bb_search_start(&f->search, &f->setup, &rays[id]);
     BB_QUERY_START(&f->search, &f->setup);
     bb_flight_to_root(f, root);
@@ -202,14 +211,15 @@ bool bb_flight_end(bb_flight *f, uint root, global bb_result *results BB_COUNTS_
 /* Not inlined: a driver that runs a group's work-items in a loop might keep the flights of each. */
 __attribute__((noinline)) static void
 trace_batch(uint first, uint count, global const bb_wide *nodes, global const float *blocks,
-            uint root, const bb_prim_ends *ends, float scale, global const bb_ray *rays,
+            uint root, const bb_prim_ends *ends, float scale,
+            global const bb_ray *rays BB_RAY_ORDER_ARGUMENT,
             global bb_result *results BB_COUNTS_ARGUMENT BB_QUERY_ARGUMENTS)
 {
     bb_flight flights[BB_RAYS];
     uint at_node[BB_RAYS + 1], at_leaf[BB_RAYS + 1]; /* numbers of rays; one more is written */
     uint nodes_left = 0, leaves_left = 0, next = 0;
     for (; next < BB_RAYS && next < count; next++) {
-        bb_flight_start(&flights[next], first + next, root, scale, rays BB_QUERY_VALUES);
+        bb_flight_start(&flights[next], BB_RAY_AT(first + next), root, scale, rays BB_QUERY_VALUES);
         at_leaf[leaves_left++] = next;
     }
     if ((root & BB_LEAF_BIT) == 0)
@@ -235,7 +245,8 @@ trace_batch(uint first, uint count, global const bb_wide *nodes, global const fl
             } else if (!bb_flight_end(f, root, results BB_COUNTS)) {
                 if (next == count)
                     continue;
-                bb_flight_start(f, first + next++, root, scale, rays BB_QUERY_VALUES);
+                bb_flight_start(f, BB_RAY_AT(first + next), root, scale, rays BB_QUERY_VALUES);
+                next++;
             }
             uint leaf = f->link >> 31;
             at_leaf[stay] = at_node[nodes_left] = which;

@@ -113,7 +113,8 @@ static void packets_answer_as_brute_force(void **state)
                                          "tets:side=4", "single"};
     static const char *const kernels[] = {"packet:rays=8",         "packet:rays=16,few=0",
                                           "packet:rays=16,few=8",  "packet8:rays=8,few=0",
-                                          "packet8:rays=16,few=2", "packet8"};
+                                          "packet8:rays=16,few=2", "packet8",
+                                          "packet8:sort=yes"};
     bb_ray *rays = calloc(RAYS, sizeof *rays);
     bb_hit *right = calloc(RAYS, sizeof *right), *found = calloc(RAYS, sizeof *found);
     for (size_t s = 0; s < sizeof scenes / sizeof scenes[0]; s++)

@@ -449,10 +449,10 @@ static void fields_are_of_their_members(void **state)
     build.bytes_peak = 21;
     for (uint32_t i = 0; i < bb_metric_count(); i++)
         build.metrics[i] = (bb_metric_value){100 + i, 200 + i};
-    bb_samples *const samples[] = {&build.build_ms,   &build.event_ms,   &build.cpu_ms,
-                                   &build.restore_ms, &build.outside_ms, &build.transfer_ms,
-                                   &trace.ms,         &trace.event_ms,   &trace.cpu_ms};
-    for (int i = 0; i < 9; i++)
+    bb_samples *const samples[] = {
+        &build.build_ms,    &build.event_ms, &build.cpu_ms,   &build.restore_ms, &build.outside_ms,
+        &build.transfer_ms, &trace.ms,       &trace.event_ms, &trace.cpu_ms,     &trace.sort_ms};
+    for (int i = 0; i < 10; i++)
         bb_samples_add(samples[i], 300 + i);
     assert_int_equal(bb_results_add_build(results, &build), BB_OK);
     strcpy(trace.scene, "other");
@@ -522,6 +522,7 @@ static void fields_are_of_their_members(void **state)
         OF(TRACE, TRACE_MS_MEDIAN, 306),
         OF(TRACE, TRACE_EVENT_MS, 307),
         OF(TRACE, TRACE_CPU_MS, 308),
+        OF(TRACE, TRACE_SORT_MS, 309),
         OF(TRACE, ACCURACY_CHECKED, 41),
         OF(TRACE, ACCURACY_RIGHT, 42),
         OF(TRACE, ACCURACY_TIES, 43),

@@ -154,6 +154,7 @@ static bb_status make_timed(bb_layout_maker *maker, const bb_scene *scene, bb_tr
     data->format = format;
     data->lanes = maker->layout->block;
     data->scale = scene->scale;
+    data->bounds = scene->bounds;
     bb_tree *traced;
     bb_stopwatch watch;
     BB_TRY(bb_stopwatch_start(maker->device, &watch));

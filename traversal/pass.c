@@ -13,6 +13,19 @@ bb_status bb_pass_poison(const bb_pass *pass, uint32_t count)
 
 bb_status bb_pass_launch(const bb_pass *pass, uint32_t count)
 {
+    BB_TRY(bb_pass_sort(pass, count));
+    return bb_pass_trace(pass, count);
+}
+
+bb_status bb_pass_sort(const bb_pass *pass, uint32_t count)
+{
+    return bb_tracer_sorts(pass->tracer)
+               ? bb_tracer_sort(pass->tracer, pass->layout, pass->rays, count)
+               : BB_OK;
+}
+
+bb_status bb_pass_trace(const bb_pass *pass, uint32_t count)
+{
     return bb_tracer_launch(pass->tracer, pass->layout, pass->rays, count, pass->results,
                             pass->counts, pass->more, pass->more_count);
 }

@@ -22,6 +22,10 @@ bb_status bb_pass_poison(const bb_pass *pass, uint32_t count);
 /* Enqueues the first `count` rays; does not wait. Only this is timed. */
 bb_status bb_pass_launch(const bb_pass *pass, uint32_t count);
 
+/* The parts of a launch, for separate clocks. The first does nothing unless the tracer sorts. */
+bb_status bb_pass_sort(const bb_pass *pass, uint32_t count);
+bb_status bb_pass_trace(const bb_pass *pass, uint32_t count);
+
 /* Poisons, launches, and reads results and, if the tracer counts, counts. `counts` may be NULL. */
 bb_status bb_pass_run(const bb_pass *pass, uint32_t count, void *results, bb_count *counts);
 

@@ -1,8 +1,7 @@
 /* Compiles kernels for what a scene needs, and launches them. */
+#include "traversal/ray_order.h"
 #include "traversal/stack_room.h"
 
-#include "framework/base/number.h"
-#include "framework/base/suggest.h"
 #include "framework/scene/prim.h"
 
 #include <assert.h>
@@ -11,25 +10,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-const bb_option bb_kernel_common_options[] = {
-    {"leaf", "1", NULL,
-     "collapse subtrees of up to this many references into a leaf where that lowers SAH"},
-    {"group", "64", NULL, "work-group size, in rays"},
-    /* no defaults, so that keys of earlier cells stay the same */
-    {"stack", NULL, "auto|4|8|16|32|64|128|256|512|1024",
-     "entries of the stack; auto, or not given: what the tree needs, rounded up, 16 at least"},
-    {"kinds", NULL, "scene|all", "kinds of primitives compiled in; default: the scene's"},
-    {"plan", NULL, "optimal|greedy",
-     "nodes of more than two children: of least area in all, or by opening the largest child; "
-     "default: optimal"},
-    {"node", NULL, NULL,
-     "cost of a node for leaf=N, relative to a block of primitives; default: "
-     "1.2 per pair of children"},
-    {"persistent", "no", "no|yes",
-     "as many groups as fit the device, which fetch rays from a counter: for GPUs"},
-    {.name = NULL},
-};
 
 struct bb_tracer {
     bb_tracer *next;
@@ -41,6 +21,7 @@ struct bb_tracer {
     bool counting;
     bool persistent;
     bool batched;
+    bool sorted;     /* rays are taken in an order of their own */
     bb_buffer taken; /* u32: rays that groups have taken; persistent form only */
     bb_u32 format;   /* of the triangles that it reads */
     uint32_t lanes;  /* primitives side by side */
@@ -53,112 +34,6 @@ static bb_tracer *cache;
 /* Groups of the persistent form per compute unit: enough to hide latency on current GPUs; further
  * groups would find no rays left. */
 enum { GROUPS_PER_UNIT = 16 };
-
-static const double NODE_COST_LEAST = 0.001, NODE_COST_MOST = 1000;
-
-const bb_kernel *bb_kernel_find(const char *name)
-{
-    for (const bb_kernel *const *k = bb_kernels; *k != NULL; k++)
-        if (strcmp((*k)->name, name) == 0)
-            return *k;
-    return NULL;
-}
-
-bool bb_kernel_is_for_cpus(const bb_kernel *kernel)
-{
-    uint32_t devices = 0;
-    for (const bb_variants *v = kernel->variants; v != NULL && v->devices != 0; v++)
-        devices |= v->devices;
-    return devices == BB_FOR_CPU;
-}
-
-const bb_kernel *bb_kernel_for_any_leaf(void)
-{
-    const bb_kernel *const *k = bb_kernels;
-    while (bb_layout_find((*k)->layout)->leaf_max > 0)
-        k++;
-    return *k;
-}
-
-bb_status bb_kernel_validate(const bb_kernel *kernel, const bb_spec *spec)
-{
-    bb_option all[BB_PARAMS_MAX + 1];
-    uint32_t count = 0;
-    for (const bb_option *o = bb_kernel_common_options; o->name != NULL; o++)
-        all[count++] = *o;
-    for (const bb_option *o = kernel->options; o != NULL && o->name != NULL; o++)
-        all[count++] = *o;
-    all[count] = (bb_option){.name = NULL};
-    char what[96];
-    snprintf(what, sizeof what, "kernel %s", kernel->name);
-    BB_TRY(bb_spec_validate(spec, all, what));
-    if (kernel->stackless && bb_spec_value(spec, NULL, "stack") != NULL)
-        return bb_fail(BB_INVALID, "%s has no stack of the tree's size: drop stack=", what);
-    const bb_layout *layout = bb_layout_find(kernel->layout);
-    if (layout->width == 2 && bb_spec_value(spec, NULL, "plan") != NULL)
-        return bb_fail(BB_INVALID,
-                       "%s has no nodes of more than two children to plan: drop plan=", what);
-    uint64_t leaf;
-    double node;
-    BB_TRY(bb_spec_u64(spec, all, "leaf", 1, BB_LEAF_MAX, &leaf));
-    if (leaf > bb_layout_leaf_max(layout))
-        return bb_fail(BB_INVALID, "%s: leaf=%u at most, its nodes have no room for more: not %u",
-                       what, bb_layout_leaf_max(layout), (unsigned)leaf);
-    if (bb_spec_value(spec, NULL, "node") == NULL)
-        return BB_OK;
-    BB_TRY(bb_spec_double(spec, all, "node", NODE_COST_LEAST, NODE_COST_MOST, &node));
-    if (leaf == 1)
-        return bb_fail(BB_INVALID, "%s: node= decides which leaves become one: give leaf=N", what);
-    return BB_OK;
-}
-
-bb_layout_wish bb_kernel_wish(const bb_spec *spec)
-{
-    const char *node = bb_spec_value(spec, NULL, "node");
-    double node_cost = 0;
-    if (node != NULL && !bb_read_real(node, &node_cost))
-        node_cost = 0; /* bb_kernel_validate() refuses it */
-    return (bb_layout_wish){
-        .kinds = bb_spec_is(spec, NULL, "kinds", "all") ? BB_ALL_KINDS : 0,
-        .octants = bb_spec_is(spec, NULL, "order", "octant"),
-        .greedy = bb_spec_is(spec, NULL, "plan", "greedy"),
-        .node_cost = node_cost,
-    };
-}
-
-bool bb_layout_wish_is(const bb_layout_wish *a, const bb_layout_wish *b)
-{
-    return a->kinds == b->kinds && a->octants == b->octants && a->greedy == b->greedy &&
-           a->node_cost == b->node_cost;
-}
-
-bb_status bb_kernel_parse(const char *text, bb_spec *spec, const bb_kernel **kernel)
-{
-    BB_TRY(bb_spec_parse(text, spec));
-    *kernel = bb_kernel_find(spec->name);
-    if (*kernel != NULL)
-        return bb_kernel_validate(*kernel, spec);
-    bb_suggestion meant = {.word = spec->name};
-    for (const bb_kernel *const *k = bb_kernels; *k != NULL; k++)
-        bb_suggest(&meant, (*k)->name);
-    return bb_fail(BB_INVALID, "unknown kernel '%s'%s: `bvhbench list kernels` shows them",
-                   spec->name, bb_suggested(&meant));
-}
-
-/* Rays that one work-item of a batched kernel traces; the device sets no bound. */
-enum { BATCH_MAX = 4096 };
-
-bb_status bb_kernel_group_of(const bb_kernel *kernel, const bb_spec *spec, const bb_device *device,
-                             uint64_t *group)
-{
-    const uint64_t most = kernel->batched ? BATCH_MAX : device->max_group_size;
-    const bool given = bb_spec_value(spec, NULL, "group") != NULL;
-    BB_TRY(
-        bb_spec_u64(spec, bb_kernel_common_options, "group", 1, given ? most : BATCH_MAX, group));
-    if (*group > most)
-        *group = most;
-    return BB_OK;
-}
 
 /* A deeper tree overflows: its rays are left poisoned, counted and reported. A stack is private
  * memory of each work-item. */
@@ -299,6 +174,11 @@ static bool is_persistent(const bb_tracer_request *request)
     return bb_spec_is(request->spec, bb_kernel_common_options, "persistent", "yes");
 }
 
+static bool is_sorted(const bb_tracer_request *request)
+{
+    return bb_spec_is(request->spec, bb_kernel_common_options, "sort", "yes");
+}
+
 static bb_status write_defines(const bb_device *device, const bb_tracer_request *request,
                                const bb_layout_data *layout, const variant *v, uint32_t group,
                                char *text, size_t capacity)
@@ -321,6 +201,8 @@ static bb_status write_defines(const bb_device *device, const bb_tracer_request 
         BB_TRY(append(text, capacity, " -DBB_LEVELS=%u", v->levels));
     if (kernel->batched)
         BB_TRY(append(text, capacity, " -DBB_BATCH=%u", group));
+    if (is_sorted(request))
+        BB_TRY(append(text, capacity, " -DBB_SORTED=1"));
     return append_options(kernel, request->spec, text, capacity);
 }
 
@@ -361,6 +243,9 @@ static bb_status compile(bb_tracer *tracer, const bb_kernel *kernel, const char 
     if (!tracer->batched)
         BB_TRY(bb_kernel_group(tracer->device, tracer->kernel, group, &group));
     tracer->group = (uint32_t)group;
+    bb_ray_order *order;
+    if (tracer->sorted)
+        BB_TRY(bb_ray_order_of(tracer->device, &order)); /* compiles it */
     return tracer->persistent ? bb_buffer_reserve(tracer->device, NULL, sizeof(cl_uint),
                                                   "rays taken", &tracer->taken)
                               : BB_OK;
@@ -394,6 +279,7 @@ bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request,
         .counting = request->counting,
         .persistent = is_persistent(request),
         .batched = request->kernel->batched,
+        .sorted = is_sorted(request),
         .format = bb_intersector_format(request->intersector),
         .lanes = layout->lanes,
     };
@@ -420,6 +306,7 @@ void bb_tracers_clear(bb_device *device)
         *link = tracer->next;
         release(tracer);
     }
+    bb_ray_order_clear(device);
 }
 
 uint32_t bb_tracer_group_size(const bb_tracer *tracer)
@@ -452,6 +339,19 @@ uint64_t bb_tracer_launched(const bb_tracer *tracer)
     return tracer->launched;
 }
 
+bool bb_tracer_sorts(const bb_tracer *tracer)
+{
+    return tracer->sorted;
+}
+
+bb_status bb_tracer_sort(bb_tracer *tracer, const bb_layout_data *layout, const bb_buffer *rays,
+                         uint32_t count)
+{
+    bb_ray_order *order;
+    BB_TRY(bb_ray_order_of(tracer->device, &order));
+    return bb_ray_order_make(order, tracer, &layout->bounds, rays, count);
+}
+
 bb_status bb_tracer_launch(bb_tracer *tracer, const bb_layout_data *layout, const bb_buffer *rays,
                            uint32_t count, bb_buffer *results, bb_buffer *counts,
                            const bb_arg *more, uint32_t more_count)
@@ -459,8 +359,14 @@ bb_status bb_tracer_launch(bb_tracer *tracer, const bb_layout_data *layout, cons
     assert(layout->format == tracer->format && layout->lanes == tracer->lanes &&
            more_count <= BB_MORE_ARGS_MAX);
     bb_device *device = tracer->device;
+    const bb_buffer *ids = NULL;
+    if (tracer->sorted) {
+        bb_ray_order *order;
+        BB_TRY(bb_ray_order_of(device, &order));
+        BB_TRY(bb_ray_order_take(order, tracer, count, &ids));
+    }
     tracer->launched += count;
-    bb_arg args[BB_LAYOUT_BUFFERS_MAX + 8 + BB_MORE_ARGS_MAX];
+    bb_arg args[BB_LAYOUT_BUFFERS_MAX + 9 + BB_MORE_ARGS_MAX];
     uint32_t n = 0;
     for (uint32_t i = 0; i < layout->buffer_count; i++)
         args[n++] = BB_MEM(layout->buffers[i]);
@@ -469,6 +375,8 @@ bb_status bb_tracer_launch(bb_tracer *tracer, const bb_layout_data *layout, cons
     args[n++] = BB_VALUE(layout->scale);
     args[n++] = BB_MEM(*rays);
     args[n++] = BB_VALUE(count);
+    if (ids != NULL)
+        args[n++] = BB_MEM(*ids);
     args[n++] = BB_MEM(*results);
     if (tracer->counting)
         args[n++] = BB_MEM(*counts);

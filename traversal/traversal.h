@@ -58,6 +58,7 @@ typedef struct bb_layout_data {
     bb_u32 format;                            /* of triangles: BB_FORMAT_... */
     uint32_t lanes;      /* primitives side by side in a record: the layout's `block`, or 1 */
     float scale;         /* the scene's */
+    bb_box bounds;       /* the scene's, in its own units */
     uint32_t stack_need; /* stack entries that an ordered traversal needs */
     uint32_t levels;     /* inner nodes on the longest path, as the kernel counts; an upper bound */
     uint32_t leaves;     /* of the tree, for layouts of which kernels run per leaf */
@@ -196,7 +197,7 @@ typedef struct bb_kernel {
     uint32_t trail_max;
     /* Its own options: the value of `name` reaches the kernel as -DBB_NAME=value, so each must list
      * its `values`. All kernels also have `leaf`, `group`, `stack`, `kinds`, `plan`, `node`,
-     * `persistent`. */
+     * `persistent`, `sort`. */
     const bb_option *options;
 } bb_kernel;
 
@@ -256,6 +257,13 @@ uint32_t bb_tracer_stack_size(const bb_tracer *tracer); /* 0: no stack of the tr
 uint64_t bb_tracer_stack_bytes(const bb_tracer *tracer);
 bool bb_tracer_private_bytes(const bb_tracer *tracer, uint64_t *bytes);
 uint64_t bb_tracer_launched(const bb_tracer *tracer); /* number of rays in all its launches */
+
+/* Returns whether it traces rays in an order of its own. */
+bool bb_tracer_sorts(const bb_tracer *tracer);
+/* Enqueues the sort of rays[0..count), which has to come before each launch of such a tracer
+ * (ray_order.h). All tracers of a device share its memory. */
+bb_status bb_tracer_sort(bb_tracer *tracer, const bb_layout_data *layout, const bb_buffer *rays,
+                         uint32_t count);
 
 /* Enqueues the traversal of rays[0..count); does not wait. The layout's format of triangles must be
  * the intersector's. `counts` (bb_count[count]) for counting tracers, otherwise NULL. `more`:

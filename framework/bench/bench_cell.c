@@ -28,16 +28,32 @@ bb_status bb_trace_load(bb_trace_set *set, uint32_t from, uint32_t count)
     return bb_buffer_write(&set->bench->rays, 0, count * sizeof(bb_ray), set->rays->rays + from);
 }
 
-/* Traces a batch, and adds the rays that were launched while the clock ran to *timed. */
+static void add_timing(bb_timing *sum, const bb_timing *part)
+{
+    sum->ms += part->ms;
+    sum->cpu_ms += part->cpu_ms;
+    sum->event_ms += part->event_ms;
+}
+
+/* Sorts and traces a batch, and adds the rays that were launched while the clock ran to *timed. Of
+ * *timing, the sort took *sort_ms. */
 static bb_status trace_batch(bb_trace_set *set, const bb_pass *pass, uint32_t count,
-                             bb_timing *timing, uint64_t *timed)
+                             bb_timing *timing, double *sort_ms, uint64_t *timed)
 {
     bb_stopwatch watch;
+    bb_timing sort = {0};
+    if (bb_tracer_sorts(pass->tracer)) {
+        BB_TRY(bb_stopwatch_start(set->bench->device, &watch));
+        BB_TRY(bb_stopwatch_stop(&watch, bb_pass_sort(pass, count), &sort));
+    }
     BB_TRY(bb_stopwatch_start(set->bench->device, &watch));
     uint64_t before = bb_tracer_launched(pass->tracer);
-    bb_status status = bb_pass_launch(pass, count);
+    bb_status status = bb_pass_trace(pass, count);
     *timed += bb_tracer_launched(pass->tracer) - before;
-    return bb_stopwatch_stop(&watch, status, timing);
+    BB_TRY(bb_stopwatch_stop(&watch, status, timing));
+    add_timing(timing, &sort);
+    *sort_ms = sort.ms;
+    return BB_OK;
 }
 
 /* Traces with the reference, which uses the device's buffers if the host can reach them, else
@@ -104,19 +120,20 @@ static bb_status trace_rays(bb_trace_set *set, bb_traced_cell *c, bb_timing *tim
     const bb_pass pass = pass_of(set, c);
     uint64_t timed = 0, before = reference ? 0 : bb_tracer_launched(c->tracer);
     c->record.launches = 0;
+    c->sort_ms = 0;
     for (uint32_t from = 0, count; from < c->count; from += count) {
         count = c->count - from < c->batch ? c->count - from : c->batch;
         bb_guard_alive();
         BB_TRY(bb_trace_load(set, from, count));
         BB_TRY(bb_pass_poison(&pass, count));
         bb_timing part;
+        double sort_ms = 0;
         BB_TRY(reference ? trace_reference(set, c, from, count, &part)
-                         : trace_batch(set, &pass, count, &part, &timed));
+                         : trace_batch(set, &pass, count, &part, &sort_ms, &timed));
         fit_batch(set, c, count, part.ms);
         c->record.launches++;
-        timing->ms += part.ms;
-        timing->cpu_ms += part.cpu_ms;
-        timing->event_ms += part.event_ms;
+        add_timing(timing, &part);
+        c->sort_ms += sort_ms;
         if (!reference || set->bench->device->is_cpu)
             BB_TRY(bb_buffer_read(&set->bench->answers, 0, count * set->bytes,
                                   set->results + from * set->bytes));

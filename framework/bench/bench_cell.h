@@ -15,6 +15,7 @@ typedef struct bb_traced_cell {
     bb_tracer *tracer;
     uint32_t count; /* rays that it traces, the first of the set */
     uint32_t batch; /* most rays of a launch */
+    double sort_ms; /* of the last trace: sorting its rays */
     bb_trace_record record;
     uint64_t hits_hash;
     bool judged;

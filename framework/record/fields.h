@@ -204,6 +204,8 @@ FIELD(TRACE_EVENT_MS, TRACE, "event_ms", "ms", ROUNDS, T(SAMPLES, event_ms), AS_
       "OpenCL profiling")
 FIELD(TRACE_CPU_MS, TRACE, "cpu_ms", "ms", ROUNDS, T(SAMPLES, cpu_ms), AS_FIGURE, "CPU ms",
       "process time of all threads")
+FIELD(TRACE_SORT_MS, TRACE, "sort_ms", "ms", ROUNDS, T(SAMPLES, sort_ms), AS_FIGURE, "Sort ms",
+      "sorting the rays, part of the trace (kernel option sort=yes)")
 FIELD(TRACE_RATE, TRACE, "mrays_s", "Mrays/s", DERIVED, LATER, AS_FIGURE, "Mrays/s",
       "million rays per second, by the median wall clock")
 FIELD(TRACE_RATE_GIVEN, TRACE, "mrays_s_given", "Mrays/s", NUMBER, BY(bb_put_given), AS_TEXT, NULL,

@@ -100,6 +100,7 @@ typedef struct bb_trace_record {
     bb_status status;
     char reason[512];
     bb_samples ms, event_ms, cpu_ms;
+    bb_samples sort_ms;   /* of ms: sorting the rays; none unless the kernel does */
     double mrays_s_given; /* of an external tracer, its speed as given; else 0 */
     double node_tests_per_ray, prim_tests_per_ray;
     bool has_accuracy;

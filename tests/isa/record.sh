@@ -30,6 +30,8 @@ commands() {
             "--out $folder/logs/mixed-$form"
         echo "$form/leaf run $trace --scene cube --kernel stack:leaf=4" \
             "--intersector all --out $folder/logs/leaf-$form"
+        echo "$form/sorted run $trace --scene cube --kernel packet:sort=yes" \
+            "--out $folder/logs/sorted-$form"
         echo "$form/volume volume --form $form --scene nbody:n=16 --scene tets:side=2 --size 8x8" \
             "--steps 1 --search skip,octree,olbvh --repeats 1"
         echo "$form/slice slice --form $form --scene tets:side=2 --size 8x8 --search skip,octree,olbvh --no-tree" \

@@ -112,7 +112,7 @@ function traceTable() {
     ...fields('accuracy', ['missed', 'false', 'wrong_t']), ...fields('trace', ['node_tests_per_ray', 'prim_tests_per_ray', 'work_per_ray']),
     num('First ray ms', t => t.reference ? t.record.build_ms_median : (t.record.first_ray_ms || {})[t.layout], 'boxes, build, transfer and layout'),
     ...minor([field('trace', 'count'), num('of', t => t.all, 'rays in the set', whole), field('trace', 'counted'),
-    field('accuracy', 'overflowed'), ...fields('trace', ['query', 'layout', 'ms_median', 'event_ms', 'cpu_ms']),
+    field('accuracy', 'overflowed'), ...fields('trace', ['query', 'layout', 'ms_median', 'sort_ms', 'event_ms', 'cpu_ms']),
     ...fields('accuracy', ['ties', 'margin_limited', 'oracle_wrong', 't_off', 't_ulp_p99', 't_ulp_max'])]),
     ...minor([field('trace', 'cell', { wide: true })]),
     field('trace', 'status', { text: statusText, wide: true, css: t => t.status === 'ok' ? '' : 'odd' }),
