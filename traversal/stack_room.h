@@ -7,7 +7,7 @@
 enum { BB_STACK_ENTRY_BYTES = 8 }; /* a link and a distance */
 
 /* Returns the number of stacks per work-item: one per ray that it has in flight. (A packet has one,
- * which is as large.) */
+ * which is as large; a ray that leaves it has another.) */
 uint32_t bb_stacks_of_item(const bb_kernel *kernel, const bb_spec *spec);
 
 /* Returns how many entries each stack may have if each work-item has `stacks` of them: a power of

@@ -19,7 +19,7 @@ typedef struct bb_idle {
 void bb_idle_take(bb_idle *before);
 
 /* A hook of this builder has returned: waits until all threads sleep, half a millisecond if they
- * do, a tenth of a second at most. Returns what it has left behind, as "a thread at work (NAME, 50
+ * do, a second at most. Returns what it has left behind, as "a thread at work (NAME, 50
  * ms since)", or NULL: nothing. A thread belongs to the builder in whose hook it began; if it works
  * in another's time, that builder is told at the end of its next hook. Nobody is told twice.
  * Threads beyond BB_IDLE_THREADS are not seen. The text stays until the next call. */
