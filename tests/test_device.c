@@ -96,6 +96,39 @@ static void accounts_keep_book(void **state)
     assert_int_equal(device->bytes, before);
 }
 
+/* Host memory and the buffers of a device that shares it are one account, whoever books them. */
+static void one_account_has_all(void **state)
+{
+    (void)state;
+    bb_account *all = bb_host_account();
+    const uint64_t before = all->bytes, limit = bb_memory_limit(), most = limit - limit / 16;
+    const uint64_t shared = device->is_cpu ? 1000 : 0;
+    bb_buffer a = {0};
+    void *b = NULL;
+    ASSERT_OK(bb_buffer_reserve(device, NULL, 1000, "a", &a));
+    ASSERT_OK(bb_host_alloc(NULL, 500, "b", &b));
+    assert_int_equal(all->bytes, before + 500 + shared);
+    bb_account_mark(all);
+    bb_host_book(7000);
+    bb_host_unbook(7000);
+    assert_int_equal(all->peak, before + 7500 + shared);
+    assert_int_equal(bb_host_missing(), 0);
+    ASSERT_OK(bb_host_has_room(most - all->bytes, "the thing"));
+    assert_int_equal(bb_host_has_room(most - all->bytes + 3, "the thing"), BB_REFUSED);
+    assert_non_null(strstr(bb_message(), "the thing"));
+    assert_int_equal(bb_host_missing(), 3);
+    assert_int_equal(bb_host_missing(), 0);
+    bb_host_free(b);
+    if (device->is_cpu) { /* what the host lacks, its device lacks */
+        const uint64_t room = most - all->bytes;
+        bb_host_book(room);
+        assert_int_equal(bb_device_has_room(device, 1, "the thing"), BB_REFUSED);
+        bb_host_unbook(room);
+    }
+    bb_buffer_release(&a);
+    assert_int_equal(all->bytes, before);
+}
+
 static void refuses_before_the_driver_is_asked(void **state)
 {
     (void)state;
@@ -402,6 +435,7 @@ int main(void)
         cmocka_unit_test(structs_have_one_size_everywhere),
         cmocka_unit_test(contraction_is_off),
         cmocka_unit_test(accounts_keep_book),
+        cmocka_unit_test(one_account_has_all),
         cmocka_unit_test(refuses_before_the_driver_is_asked),
         cmocka_unit_test(unknown_devices_are_refused),
         cmocka_unit_test(a_system_without_sysfs_is_refused),

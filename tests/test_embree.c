@@ -1,5 +1,8 @@
 /* Embree as tracer (framework/judge/embree.c) and as builder (builders/embree). A few seconds. */
 #include "framework/base/clock.h"
+#include "framework/base/interrupt.h"
+#include "framework/base/limits.h"
+#include "framework/base/memory.h"
 #include "framework/builder/phases.h"
 #include "framework/builder/registry.h"
 #include "framework/judge/embree.h"
@@ -8,6 +11,7 @@
 #include "hand_scene.h"
 #include "tests/fixture.h"
 
+#include <signal.h>
 #include <time.h>
 #if defined(__SSE__)
 #include <xmmintrin.h>
@@ -387,6 +391,55 @@ static void test_bad_options(void **state)
     }
 }
 
+/* ---- memory, and who waits ---- */
+
+/* What Embree holds is booked where all memory is; without room its tree is refused, and what it
+ * had taken is given back. */
+static void test_memory(void **state)
+{
+    (void)state;
+    bb_scene *scene = NULL;
+    bb_embree *embree = NULL;
+    bb_account *all = bb_host_account();
+    const uint64_t limit = bb_memory_limit();
+    assert_int_equal(bb_scene_load("sphere-mesh:n=200", &scene), BB_OK);
+    const uint64_t before = all->bytes;
+    assert_int_equal(bb_embree_create(scene, NULL, 2, &embree, NULL), BB_OK);
+    const uint64_t held = bb_embree_bytes(embree);
+    assert_true(held > 0);
+    assert_int_equal(all->bytes, before + held);
+    bb_embree_destroy(embree);
+    assert_int_equal(all->bytes, before);
+    const uint64_t taken = limit - limit / 16 - before - held / 2; /* half of it is left */
+    bb_host_book(taken);
+    assert_int_equal(bb_embree_create(scene, NULL, 2, &embree, NULL), BB_REFUSED);
+    assert_null(embree);
+    assert_non_null(strstr(bb_message(), "Embree has no room"));
+    assert_non_null(strstr(bb_message(), "sphere-mesh"));
+    bb_host_unbook(taken);
+    assert_int_equal(all->bytes, before);
+    assert_int_equal(bb_embree_create(scene, NULL, 2, &embree, NULL), BB_OK);
+    bb_embree_destroy(embree);
+    bb_scene_free(scene);
+}
+
+/* Nobody waits for a tree after Ctrl-C. Comes last: the signal stays noted. */
+static void test_interrupt(void **state)
+{
+    (void)state;
+    bb_scene *scene = NULL;
+    bb_embree *embree = NULL;
+    assert_int_equal(bb_scene_load("sphere-mesh:n=200", &scene), BB_OK);
+    const uint64_t before = bb_host_account()->bytes;
+    bb_interrupt_catch();
+    raise(SIGTERM);
+    assert_true(bb_interrupted());
+    assert_int_equal(bb_embree_create(scene, NULL, 2, &embree, NULL), BB_FAILED);
+    assert_null(embree);
+    assert_int_equal(bb_host_account()->bytes, before);
+    bb_scene_free(scene);
+}
+
 /* Embree's own threads do the work of its builder; they are not built with ThreadSanitizer, which
  * would see races in all that they hand over. */
 #if defined(__SANITIZE_THREAD__)
@@ -398,11 +451,11 @@ enum { BUILDER_TOO = 1 };
 int main(void)
 {
     const struct CMUnitTest tracer[] = {
-        cmocka_unit_test(test_trace_by_hand),
-        cmocka_unit_test(test_too_large),
-        cmocka_unit_test(test_queries_agree),
-        cmocka_unit_test(test_manners),
+        cmocka_unit_test(test_trace_by_hand), cmocka_unit_test(test_too_large),
+        cmocka_unit_test(test_queries_agree), cmocka_unit_test(test_manners),
+        cmocka_unit_test(test_memory),
     };
+    const struct CMUnitTest last[] = {cmocka_unit_test(test_interrupt)};
     const struct CMUnitTest builder[] = {
         cmocka_unit_test(test_builder),
         cmocka_unit_test(test_small_scenes),
@@ -412,5 +465,5 @@ int main(void)
     int failed = cmocka_run_group_tests(tracer, NULL, NULL);
     if (BUILDER_TOO)
         failed += cmocka_run_group_tests(builder, NULL, NULL);
-    return failed;
+    return failed + cmocka_run_group_tests(last, NULL, NULL);
 }

@@ -86,6 +86,58 @@ static void what_is_pinned_stays(void **state)
     assert_true(!has_tree(0) && has_tree(1) && has_tree(2));
 }
 
+/* A tree that is freed leaves its layouts, and is built again for another. */
+static void layouts_outlive_their_tree(void **state)
+{
+    (void)state;
+    ASSERT_OK(bb_resident_layout(&all, &residents[0], layout));
+    const uint64_t bytes = device->bytes;
+    assert_true(bb_resident_free_tree(&residents[0]));
+    assert_true(!has_tree(0) && residents[0].has_layout[layout] && device->bytes < bytes);
+    assert_false(bb_resident_free_tree(&residents[0]));
+    ASSERT_OK(bb_resident_layout(&all, &residents[0], layout)); /* which is there */
+    assert_false(has_tree(0));
+    ASSERT_OK(bb_resident_layout_again(&all, &residents[0], layout));
+    assert_true(has_tree(0));
+    (void)bb_resident_free_tree(&residents[0]); /* a layout alone is something to evict */
+    assert_true(bb_resident_evict(&residents[0]));
+    assert_false(residents[0].has_layout[layout] || bb_resident_evict(&residents[0]));
+}
+
+static uint32_t asked;
+
+static bool give_up(void *whom)
+{
+    asked++;
+    device->global_bytes = global;
+    return *(bool *)whom;
+}
+
+/* Others are asked for room when nothing is left to evict, and only then. */
+static void others_give_up_last(void **state)
+{
+    (void)state;
+    bool gives = true;
+    all.give_up = give_up;
+    all.whom = &gives;
+    asked = 0;
+    ASSERT_OK(bb_resident_tree(&all, &residents[0]));
+    leave_room(0);
+    ASSERT_OK(
+        bb_resident_tree(&all, &residents[1])); /* in the room of the first, and the maker's */
+    assert_int_equal(asked, 0);
+    assert_true(!has_tree(0) && has_tree(1));
+    bb_resident_evict(&residents[1]);
+    leave_room(0);
+    ASSERT_OK(bb_resident_tree(&all, &residents[1]));
+    assert_int_equal(asked, 1);
+    bb_resident_evict(&residents[1]);
+    leave_room(0);
+    gives = false;
+    assert_int_equal(bb_resident_tree(&all, &residents[1]), BB_REFUSED);
+    assert_int_equal(asked, 2);
+}
+
 /* What makes a layout is given back with it, and made again. */
 static void makers_are_created_again(void **state)
 {
@@ -150,6 +202,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(builds_are_tried_again_in_the_room_of_others, start, end),
         cmocka_unit_test_setup_teardown(what_is_pinned_stays, start, end),
         cmocka_unit_test_setup_teardown(makers_are_created_again, start, end),
+        cmocka_unit_test_setup_teardown(layouts_outlive_their_tree, start, end),
+        cmocka_unit_test_setup_teardown(others_give_up_last, start, end),
     };
     return cmocka_run_group_tests(tests, open, close);
 }

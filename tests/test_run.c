@@ -141,6 +141,63 @@ static void without_a_judgement_exit_status_is_1(void **state)
     assert_non_null(strstr(o->err, "nothing was checked"));
 }
 
+/* What a large scene takes is said before it is taken; of a small one, and quietly, nothing is. */
+static void a_large_scene_is_foretold(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *more;
+        bool said;
+    } cases[] = {{"soup:n=70000", true},
+                 {"soup:n=65536", false},
+                 {"soup:n=70000 --quick", false},
+                 {"soup:n=70000 --quiet", false}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char command[512];
+        snprintf(command, sizeof command,
+                 "run --builder lbvh --kernel stack --rays random --max-rays 1000 --size 32x32 "
+                 "--repeats 1 --no-pictures --charts no --out large --scene %s",
+                 cases[i].more);
+        const outcome *o = run(command);
+        if (o->exit_status != 0)
+            fail_msg("exit %d: %s", o->exit_status, o->err);
+        const char *said = strstr(o->err, "soup:n=70000: takes about ");
+        if ((said != NULL) != cases[i].said)
+            fail_msg("%s: %s", cases[i].more, o->err);
+        assert_true(said == NULL || strstr(said, " GB of memory\n") != NULL);
+    }
+}
+
+/* Where all trees do not fit, the builders' are built, and Embree's make room: their rows say so. */
+static void references_give_way(void **state)
+{
+    (void)state;
+    const outcome *o =
+        run_with("SLURM_JOB_ID=7 SLURM_MEM_PER_NODE=100",
+                 "run --scene soup:n=100000 --builder lbvh,hploc,ploc --kernel stack "
+                 "--rays random --max-rays 1000 --repeats 1 --no-pictures "
+                 "--charts no --table --quiet --out narrow");
+    if (o->exit_status != 0)
+        fail_msg("exit %d: %s", o->exit_status, o->err);
+    cJSON *json = read_results("narrow/results.json"), *build, *trace;
+    uint32_t given_up = 0, ours = 0;
+    cJSON_ArrayForEach(build, cJSON_GetObjectItem(json, "builds"))
+    {
+        const char *reason = cJSON_GetStringValue(cJSON_GetObjectItem(build, "reason"));
+        given_up += reason != NULL && (strstr(reason, "made room for a builder's") != NULL ||
+                                       strstr(reason, "Embree has no room") != NULL);
+    }
+    cJSON_ArrayForEach(trace, cJSON_GetObjectItem(json, "traces"))
+    {
+        const char *status = cJSON_GetStringValue(cJSON_GetObjectItem(trace, "status"));
+        const char *kernel = cJSON_GetStringValue(cJSON_GetObjectItem(trace, "kernel"));
+        ours += strcmp(kernel, "embree") != 0 && strcmp(status, "ok") == 0;
+    }
+    if (given_up == 0 || ours < 3)
+        fail_msg("%s", o->out);
+    cJSON_Delete(json);
+}
+
 /* A run that only builds has all that is known of builds, and nothing else. */
 static void without_rays_there_are_builds_only(void **state)
 {
@@ -482,6 +539,8 @@ int main(void)
         cmocka_unit_test(careless_cells_are_marked_but_not_counted),
         cmocka_unit_test(wrong_answers_give_exit_status_1),
         cmocka_unit_test(without_a_judgement_exit_status_is_1),
+        cmocka_unit_test(a_large_scene_is_foretold),
+        cmocka_unit_test(references_give_way),
         cmocka_unit_test(without_rays_there_are_builds_only),
         cmocka_unit_test(work_outside_the_clock_is_recorded),
         cmocka_unit_test(a_pipeline_is_recorded_by_stages),

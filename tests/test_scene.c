@@ -429,6 +429,33 @@ static void test_profile_counts(void **state)
 
 /* ---- views ---- */
 
+/* A sample is some of the scene's triangles, where they were, and no vertex beside theirs. */
+static void test_sample(void **state)
+{
+    (void)state;
+    bb_scene *scene = NULL, *sample = NULL;
+    assert_int_equal(bb_scene_load("sphere-mesh:n=60", &scene), BB_OK);
+    const uint32_t all = scene->prims[BB_TRIANGLE].count, wanted = all / 7;
+    assert_int_equal(bb_scene_sample(scene, wanted, &sample), BB_OK);
+    const uint32_t count = sample->prims[BB_TRIANGLE].count;
+    assert_int_equal(count, wanted);
+    bool *used = calloc(sample->vertex_count, sizeof *used);
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t from = (uint32_t)((uint64_t)i * all / count);
+        for (int c = 0; c < 3; c++) {
+            assert_memory_equal(bb_scene_vertex(sample, i, c), bb_scene_vertex(scene, from, c),
+                                3 * sizeof(float));
+            used[bb_scene_indices(sample)[3 * i + (uint32_t)c]] = true;
+        }
+    }
+    for (uint32_t v = 0; v < sample->vertex_count; v++)
+        assert_true(used[v]);
+    assert_true(sample->vertex_count < scene->vertex_count);
+    free(used);
+    bb_scene_free(sample);
+    bb_scene_free(scene);
+}
+
 static void test_views_read(void **state)
 {
     (void)state;
@@ -604,6 +631,7 @@ int main(void)
         cmocka_unit_test(test_profile_codes),
         cmocka_unit_test(test_profile_overlap),
         cmocka_unit_test(test_profile_counts),
+        cmocka_unit_test(test_sample),
         cmocka_unit_test(test_views_read),
         cmocka_unit_test(test_views_derived),
         cmocka_unit_test(test_views_inside_or_outside),

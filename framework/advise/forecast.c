@@ -2,6 +2,7 @@
 #include "framework/advise/forecast.h"
 
 #include "framework/advise/turns.h"
+#include "framework/base/number.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -112,15 +113,10 @@ bb_takings bb_forecast(const bb_advice *advice, const bb_forecast_heat *heats, u
 
 void bb_takings_say(const bb_takings *takings, char *text, size_t capacity)
 {
-    const double s = round(takings->seconds);
-    char time[64] = "an unknown time";
-    if (s >= 60)
-        snprintf(time, sizeof time, "%.0f min %.0f s", floor(s / 60), fmod(s, 60));
-    else if (isfinite(s))
-        snprintf(time, sizeof time, "%.0f s", fmax(s, 1));
+    char time[BB_TIME_TEXT];
     snprintf(text, capacity,
              "%s, %.2f GB of host memory and %.2f GB on the device, %.2f GB of it for trees and "
              "layouts",
-             time, takings->host_bytes / 1e9, takings->device_bytes / 1e9,
-             takings->held_bytes / 1e9);
+             bb_time_words(takings->seconds, time), takings->host_bytes / 1e9,
+             takings->device_bytes / 1e9, takings->held_bytes / 1e9);
 }

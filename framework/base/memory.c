@@ -4,6 +4,7 @@
 
 #include "framework/base/limits.h"
 
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -46,8 +47,52 @@ uint64_t bb_host_limit(void)
     return bytes < UINT64_MAX ? bytes / 4 * 3 : bytes;
 }
 
-/* All bytes booked in the process, since blocks that fit one by one may not fit together. */
-static uint64_t host_bytes;
+/* All that is booked in the process, since blocks that fit one by one may not fit together. */
+static bb_account all;
+
+bb_account *bb_host_account(void)
+{
+    return &all;
+}
+
+void bb_host_book(uint64_t bytes)
+{
+    bb_account_add(&all, bytes);
+}
+
+void bb_host_unbook(uint64_t bytes)
+{
+    bb_account_subtract(&all, bytes);
+}
+
+static _Atomic uint64_t missing;
+
+uint64_t bb_host_missing(void)
+{
+    return missing;
+}
+
+uint64_t bb_host_most(void)
+{
+    const uint64_t limit = bb_memory_limit();
+    return limit - limit / 16;
+}
+
+/* Drivers and allocators overcommit: the system would not refuse. */
+bb_status bb_host_has_room(uint64_t bytes, const char *what)
+{
+    const uint64_t most = bb_host_most();
+    const uint64_t in_use = __atomic_load_n(&all.bytes, __ATOMIC_RELAXED);
+    const uint64_t room = in_use < most ? most - in_use : 0;
+    missing = bytes > room ? bytes - room : 0;
+    if (bytes <= room)
+        return BB_OK;
+    return bb_fail(BB_REFUSED,
+                   "%s needs %llu bytes beside the %llu in use; %s is %llu, a sixteenth of it left "
+                   "to drivers and compilers: take a smaller scene or fewer builders",
+                   what, (unsigned long long)bytes, (unsigned long long)in_use,
+                   bb_memory_limit_by(), (unsigned long long)bb_memory_limit());
+}
 
 bb_status bb_host_alloc(bb_account *account, size_t bytes, const char *what, void *out)
 {
@@ -57,22 +102,14 @@ bb_status bb_host_alloc(bb_account *account, size_t bytes, const char *what, voi
     void *block = NULL;
     memcpy(out, &block, sizeof block);
 
-    uint64_t in_use = __atomic_load_n(&host_bytes, __ATOMIC_RELAXED);
-    /* drivers and allocators overcommit */
-    const uint64_t limit = bb_memory_limit();
-    if (bytes > limit || bytes + sizeof(header) + 64 + in_use > limit)
-        return bb_fail(BB_REFUSED,
-                       "%s needs %zu bytes, %s is %llu, of which %llu are in use: take a "
-                       "smaller scene",
-                       what, bytes, bb_memory_limit_by(), (unsigned long long)limit,
-                       (unsigned long long)in_use);
+    BB_TRY(bb_host_has_room(bytes, what));
     size_t whole = (bytes + sizeof(header) + 63) / 64 * 64;
     header *head = aligned_alloc(64, whole);
     if (head == NULL)
         return bb_fail(BB_REFUSED, "%s needs %zu bytes, which the host refused", what, bytes);
     head->bytes = bytes;
     head->account = account;
-    __atomic_add_fetch(&host_bytes, bytes, __ATOMIC_RELAXED);
+    bb_host_book(bytes);
     bb_account_add(account, bytes);
     block = head + 1;
     memcpy(out, &block, sizeof block);
@@ -85,7 +122,7 @@ void bb_host_free(void *pointer)
         return;
     header *head = (header *)pointer - 1;
     bb_account_subtract(head->account, head->bytes);
-    __atomic_sub_fetch(&host_bytes, head->bytes, __ATOMIC_RELAXED);
+    bb_host_unbook(head->bytes);
     free(head);
 }
 

@@ -59,4 +59,28 @@ uint64_t bb_host_resident(void);
 #endif
 #pragma GCC visibility pop
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- one account of all: of bb_host_alloc(), of devices that share the host's memory, of
+ * libraries that say what they take ---- */
+
+/* The most that may be booked: a sixteenth of the memory is left to what nobody books, such as
+ * drivers, compilers, programs. */
+uint64_t bb_host_most(void);
+/* BB_REFUSED names `what` and the bytes if they do not fit beside all that is booked. */
+bb_status bb_host_has_room(uint64_t bytes, const char *what);
+/* Returns how many bytes were missing when it last said; 0: none. */
+uint64_t bb_host_missing(void);
+void bb_host_book(uint64_t bytes);
+void bb_host_unbook(uint64_t bytes);
+
+/* What is booked now, and the most since its last bb_account_mark(). */
+bb_account *bb_host_account(void);
+
+#ifdef __cplusplus
+}
+#endif
+
 #endif

@@ -95,3 +95,15 @@ const char *bb_range_of_whole(uint64_t low, uint64_t high, char text[BB_RANGE_TE
         snprintf(text, BB_RANGE_TEXT, "a whole number below 2^64");
     return text;
 }
+
+const char *bb_time_words(double seconds, char text[BB_TIME_TEXT])
+{
+    const double s = fmax(round(seconds), 1);
+    if (!isfinite(seconds))
+        snprintf(text, BB_TIME_TEXT, "an unknown time");
+    else if (s >= 60)
+        snprintf(text, BB_TIME_TEXT, "%.0f min %.0f s", floor(s / 60), fmod(s, 60));
+    else
+        snprintf(text, BB_TIME_TEXT, "%.0f s", s);
+    return text;
+}

@@ -18,4 +18,10 @@ enum { BB_RANGE_TEXT = 96 };
  * `text`. */
 const char *bb_range_of_whole(uint64_t low, uint64_t high, char text[BB_RANGE_TEXT]);
 
+enum { BB_TIME_TEXT = 48 };
+
+/* Writes a time, rounded: "4 min 40 s", or "12 s", at least "1 s"; "an unknown time" for NAN.
+ * Returns `text`. */
+const char *bb_time_words(double seconds, char text[BB_TIME_TEXT]);
+
 #endif

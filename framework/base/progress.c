@@ -1,6 +1,7 @@
 #include "framework/base/progress.h"
 
 #include "framework/base/clock.h"
+#include "framework/base/number.h"
 #include "framework/base/steering.h"
 
 #include <math.h>
@@ -110,11 +111,9 @@ static void draw_time_left(const bb_progress *progress, double share, double now
     const double told_from = 0.03; /* with less done, there is no estimate */
     if (!(progress->plan > 0) || share < told_from)
         return;
-    double left = (now - progress->start) * (1 - share) / share / 1e3;
-    if (left >= 60)
-        fprintf(stderr, ", about %.0f min %.0f s left", floor(left / 60), fmod(left, 60));
-    else
-        fprintf(stderr, ", about %.0f s left", left);
+    char left[BB_TIME_TEXT];
+    fprintf(stderr, ", about %s left",
+            bb_time_words((now - progress->start) * (1 - share) / share / 1e3, left));
 }
 
 void bb_progress_at(bb_progress *progress, double share, const char *what)

@@ -60,6 +60,8 @@ bb_status bb_bench_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layout)
     BB_TRY(bb_bench_tree(bench, entrant));
     bb_step step = bb_bench_begin(bench);
     bb_status status = bb_resident_layout(&bench->residency, entrant->resident, layout);
+    if (bench->traces)
+        (void)bb_resident_free_tree(entrant->resident);
     return bb_bench_end(bench, step, "layouts", status);
 }
 
@@ -108,6 +110,9 @@ static bb_status start_buffers(bb_bench *bench)
     uint64_t most = (uint64_t)request->width * request->height;
     most = most > request->max_rays ? most : request->max_rays;
     bench->batch = most < BB_BATCH ? (uint32_t)most : BB_BATCH;
+    BB_TRY(bb_host_has_room(most * BB_BYTES_PER_RAY, "rays and answers"));
+    bench->kept_for_rays = most * BB_BYTES_PER_RAY;
+    bb_host_book(bench->kept_for_rays);
     BB_TRY(bb_buffer_reserve(bench->device, &bench->account, bench->batch * sizeof(bb_ray), "rays",
                              &bench->rays));
     BB_TRY(bb_buffer_reserve(bench->device, &bench->account,
@@ -243,6 +248,8 @@ bb_status bb_bench_run(const bb_bench_request *request, bb_results *results,
     bench->request = request;
     bench->device = bench->residency.device = request->device;
     bench->residency.seed = request->seed;
+    bench->residency.give_up = bb_bench_give_up_references;
+    bench->residency.whom = bench;
     bench->results = results;
     bench->outcome = outcome;
     bb_results_begin_run(results);
@@ -267,6 +274,7 @@ bb_status bb_bench_run(const bb_bench_request *request, bb_results *results,
     free(bench->parts);
     free_first(bench);
     bb_progress_end(&progress);
+    bb_host_unbook(bench->kept_for_rays);
     bb_buffer_release(&bench->rays);
     bb_buffer_release(&bench->answers);
     bb_counter_release(&bench->counter);

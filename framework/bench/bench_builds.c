@@ -218,6 +218,43 @@ void bb_bench_note_failure(bb_entrant *entrant, bb_status status)
     bb_resident_evict(entrant->resident);
 }
 
+bool bb_bench_give_up_references(void *whom)
+{
+    bb_bench *bench = whom;
+    const uint64_t missing = bb_host_missing();
+    uint64_t held = 0;
+    for (uint32_t i = 0; i < bench->entrant_count; i++)
+        if (bench->entrants[i].embree != NULL && bench->entrants[i].tree_of == NULL)
+            held += bb_embree_bytes(bench->entrants[i].embree);
+    if (missing == 0 || held < missing)
+        return false;
+    for (uint32_t i = 0; i < bench->entrant_count; i++) {
+        bb_entrant *entrant = &bench->entrants[i];
+        if (entrant->embree == NULL)
+            continue;
+        if (entrant->tree_of == NULL)
+            bb_embree_destroy(entrant->embree);
+        entrant->embree = NULL;
+        entrant->record.build_ms.count = 0; /* nothing is traced with it from now on */
+        entrant->record.status = BB_REFUSED;
+        snprintf(entrant->record.reason, sizeof entrant->record.reason,
+                 "its tree made room for a builder's: compare it alone with fewer builders, or in "
+                 "a smaller scene");
+    }
+    return true;
+}
+
+/* After a failure the tree is gone. */
+static bb_status rebuild_reference(bb_entrant *entrant, double *ms)
+{
+    const bb_status status = bb_embree_rebuild(entrant->embree, ms);
+    if (status != BB_OK) {
+        bb_embree_destroy(entrant->embree);
+        entrant->embree = NULL;
+    }
+    return status;
+}
+
 /* Builds the reference row's tree. Its first build, on fresh memory, is its cold one, as for
  * others. */
 static bb_status build_reference(bb_bench *bench, bb_entrant *entrant)
@@ -233,7 +270,7 @@ static bb_status build_reference(bb_bench *bench, bb_entrant *entrant)
     char what[256];
     snprintf(what, sizeof what, "build of %.100s by %.100s", bench->scene->name, entrant->text);
     double start = bb_wall_ms();
-    BB_TRY(bb_embree_rebuild(entrant->embree, &ms));
+    BB_TRY(rebuild_reference(entrant, &ms));
     bb_audit_outer(&bench->outcome->audit, what, ms, bb_wall_ms() - start, &entrant->late);
     bb_samples_add(&record->build_ms, ms);
     bench->outcome->times.build_ms += ms;
@@ -372,6 +409,16 @@ static bb_status measure_layouts(bb_bench *bench)
     return BB_OK;
 }
 
+/* Rays are traced through layouts: a tree, and all that its builder holds, has served. */
+static void free_trees(bb_bench *bench)
+{
+    bb_step step = bb_bench_begin(bench);
+    for (uint32_t i = 0; i < bench->entrant_count; i++)
+        (void)bb_resident_free_tree(bench->entrants[i].resident);
+    bench->traces = true;
+    (void)bb_bench_end(bench, step, "free trees", BB_OK);
+}
+
 /* Removes the times of a build that another shard measures: here it was only built once. */
 static void forget_times(bb_build_record *record)
 {
@@ -422,13 +469,32 @@ static bb_status take_turn(void *self, uint32_t who, uint32_t round, double *ms)
     return BB_OK;
 }
 
+/* Makes all builders' first trees. References come after them, into the room that is left. */
+static void make_first_trees(bb_bench *bench)
+{
+    for (uint32_t i = 0; i < bench->entrant_count && !bb_interrupted(); i++) {
+        bb_entrant *entrant = &bench->entrants[i];
+        if (entrant->reference || entrant->record.status != BB_OK)
+            continue;
+        const bb_status status = bb_bench_tree(bench, entrant);
+        if (status != BB_OK)
+            bb_bench_note_failure(entrant, status);
+    }
+}
+
 static bb_status finish_builder(bb_bench *bench, bb_entrant *entrant, bool own)
 {
     finish_phases(entrant);
+    bb_resident *resident = entrant->resident;
     BB_TRY(bb_bench_tree(bench, entrant));
     if (own)
         BB_TRY(measure_transfer(bench, entrant));
-    BB_TRY(measure_tree(bench, entrant));
+    bb_status status = measure_tree(bench, entrant);
+    while (status == BB_REFUSED && bb_residency_make_room(&bench->residency, resident))
+        status = measure_tree(bench, entrant);
+    BB_TRY(status);
+    if (resident->instance.tree.place == BB_ON_DEVICE)
+        bb_tree_drop_copy(&resident->instance.tree);
     make_layouts(bench, entrant);
     return BB_OK;
 }
@@ -436,6 +502,7 @@ static bb_status finish_builder(bb_bench *bench, bb_entrant *entrant, bool own)
 bb_status bb_bench_builds(bb_bench *bench)
 {
     const bool own = bb_bench_owns_builds(bench);
+    bench->traces = false;
     const uint32_t phase_builds = own && !bench->request->lean ? PHASE_BUILDS : 0;
     uint32_t rounds = own ? bench->request->repeats + 1 : 1;
     bb_progress_stage(bench->progress, bench->entrant_count * (rounds + phase_builds),
@@ -447,6 +514,7 @@ bb_status bb_bench_builds(bb_bench *bench)
                       .count = bench->entrant_count,
                       .self = &self,
                       .turn = take_turn};
+    make_first_trees(bench);
     BB_TRY(bb_turns_warm_up(&turns, bench->progress, bench->scene->name, "builds"));
     const uint32_t unseen = bb_bench_draw_unseen(bench, bench->request->lean ? 0 : rounds);
     for (uint32_t round = 0; round < rounds + phase_builds && !bb_interrupted(); round++) {
@@ -471,5 +539,7 @@ bb_status bb_bench_builds(bb_bench *bench)
     }
     for (uint32_t i = 0; i < bench->entrant_count && !own && !bb_interrupted(); i++)
         forget_times(&bench->entrants[i].record);
-    return measure_layouts(bench);
+    BB_TRY(measure_layouts(bench));
+    free_trees(bench);
+    return BB_OK;
 }

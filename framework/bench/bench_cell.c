@@ -153,6 +153,8 @@ bb_status bb_trace_once(bb_trace_set *set, bb_traced_cell *c, bb_timing *timing)
 {
     if (!c->entrant->reference)
         BB_TRY(bb_bench_layout(set->bench, c->entrant, c->layout));
+    else if (c->entrant->embree == NULL)
+        return bb_fail(c->entrant->record.status, "%s", c->entrant->record.reason);
     bb_step step = bb_bench_begin(set->bench);
     enter(&c->record, "trace");
     bb_status status = trace_rays(set, c, timing);

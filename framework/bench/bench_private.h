@@ -24,6 +24,8 @@ enum {
         BB_LAYOUTS_MAX / BB_FORMAT_COUNT, /* the layouts of so many fit into a build's record */
     /* rays per launch: buffers stay small beside trees, and sets of any size can be traced */
     BB_BATCH = 1 << 22,
+    /* on the host, of a ray set: its rays, two sets of answers, the oracle's, what is judged */
+    BB_BYTES_PER_RAY = sizeof(bb_ray) + 2 * BB_RESULT_BYTES_MAX + 64,
     /* rays that the counting variant traces: the mean over so many is accurate to half a percent */
     BB_COUNTED_RAYS = 1 << 14,
 };
@@ -88,6 +90,9 @@ typedef struct bb_bench {
     bb_disguise disguise; /* of the current scene */
     bb_progress *progress;
     uint32_t batch; /* rays per launch */
+    bool traces;    /* layouts are measured: trees are freed as soon as they have served */
+    /* bytes booked while no ray set is on the host, so that there is room for the largest */
+    uint64_t kept_for_rays;
     bb_bench_outcome *outcome;
     double start;
     double steps_ms; /* booked so far */
@@ -119,6 +124,10 @@ bb_status bb_bench_scene(bb_bench *bench, const char *name);
 
 /* Measures the builds of all entrants, interleaved, and fills their records. */
 bb_status bb_bench_builds(bb_bench *bench);
+
+/* For a builder that was refused memory of the host: frees the trees of all references if they hold
+ * what was missing, and returns whether they do. Their rows are refused then. `whom` is the bench. */
+bool bb_bench_give_up_references(void *whom);
 
 /* Records a failure, unless it failed because the run was interrupted. */
 void bb_bench_note_failure(bb_entrant *entrant, bb_status status);

@@ -15,17 +15,26 @@ static void put_scene_back(const bb_scene *scene)
     (void)bb_fail(BB_FAILED, "%s", message);
 }
 
-void bb_resident_evict(bb_resident *resident)
+bool bb_resident_free_tree(bb_resident *resident)
 {
-    for (uint32_t k = 0; k < BB_LAYOUTS_MAX; k++) {
-        bb_layout_data_release(&resident->layouts[k]);
-        resident->has_layout[k] = false;
-    }
-    if (resident->instance.pipeline.count > 0) {
+    const bool had = resident->instance.pipeline.count > 0;
+    if (had) {
         bb_instance_destroy(&resident->instance);
         put_scene_back(resident->scene);
     }
     resident->built = false;
+    return had;
+}
+
+bool bb_resident_evict(bb_resident *resident)
+{
+    bool had = bb_resident_free_tree(resident);
+    for (uint32_t k = 0; k < BB_LAYOUTS_MAX; k++) {
+        had = had || resident->has_layout[k];
+        bb_layout_data_release(&resident->layouts[k]);
+        resident->has_layout[k] = false;
+    }
+    return had;
 }
 
 void bb_residency_note(bb_residency *all)
@@ -48,10 +57,8 @@ static bool make_room(bb_residency *all, const bb_resident *keep, uint32_t layou
     bool freed = false;
     for (uint32_t i = 0; i < all->count; i++) {
         bb_resident *resident = &all->items[i];
-        if (resident != keep && !resident->pinned) {
-            freed = freed || resident->instance.pipeline.count > 0;
-            bb_resident_evict(resident);
-        }
+        if (resident != keep && !resident->pinned)
+            freed = bb_resident_evict(resident) || freed;
         for (uint32_t k = 0; k < all->layout_count; k++) {
             if (k == layout || !resident->has_layout[k])
                 continue;
@@ -66,7 +73,12 @@ static bool make_room(bb_residency *all, const bb_resident *keep, uint32_t layou
         freed = freed || all->layouts[k].maker.layout != NULL;
         bb_layout_maker_destroy(&all->layouts[k].maker);
     }
-    return freed;
+    return freed || (all->give_up != NULL && all->give_up(all->whom));
+}
+
+bool bb_residency_make_room(bb_residency *all, const bb_resident *keep)
+{
+    return make_room(all, keep, BB_NONE);
 }
 
 void bb_residency_pin(bb_residency *all, bb_resident *first, uint32_t count)
@@ -111,7 +123,7 @@ bb_status bb_resident_tree(bb_residency *all, bb_resident *resident)
         return BB_OK;
     double cold_ms = 0;
     bb_status status = first_build(all, resident, &cold_ms);
-    if (status == BB_REFUSED && make_room(all, resident, BB_NONE)) {
+    while (status == BB_REFUSED && make_room(all, resident, BB_NONE)) {
         bb_resident_evict(resident);
         status = first_build(all, resident, &cold_ms);
     }
@@ -130,7 +142,7 @@ bb_status bb_resident_build(bb_residency *all, bb_resident *resident, bool exact
     BB_TRY(bb_resident_tree(all, resident));
     bb_instance *instance = &resident->instance;
     bb_status status = bb_instance_build(instance, resident->scene, exact, timing);
-    if (status == BB_REFUSED && make_room(all, resident, BB_NONE))
+    while (status == BB_REFUSED && make_room(all, resident, BB_NONE))
         status = bb_instance_build(instance, resident->scene, exact, timing);
     if (status != BB_OK)
         bb_resident_evict(resident);
@@ -141,7 +153,7 @@ bb_status bb_resident_upload(bb_residency *all, bb_resident *resident, double *m
 {
     bb_tree *tree = &resident->instance.tree;
     bb_status status = bb_tree_upload(tree, all->device, ms);
-    if (status == BB_REFUSED && make_room(all, resident, BB_NONE))
+    while (status == BB_REFUSED && make_room(all, resident, BB_NONE))
         status = bb_tree_upload(tree, all->device, ms);
     return status;
 }
@@ -200,7 +212,7 @@ static bb_status make_layout(bb_residency *all, bb_resident *resident, uint32_t 
 static bb_status make_layout_fit(bb_residency *all, bb_resident *resident, uint32_t layout)
 {
     bb_status status = make_layout(all, resident, layout);
-    if (status == BB_REFUSED && make_room(all, resident, layout))
+    while (status == BB_REFUSED && make_room(all, resident, layout))
         status = make_layout(all, resident, layout);
     resident->has_layout[layout] = status == BB_OK;
     if (status != BB_OK)

@@ -41,6 +41,10 @@ typedef struct bb_residency {
     bb_layout_choice layouts[BB_LAYOUTS_MAX];
     uint32_t layout_count;
     uint64_t bytes_held; /* most that all held at a time, by their accounts */
+    /* Asked for room when there is nothing left to evict: returns whether it freed anything. NULL:
+     * there is nobody to ask. */
+    bool (*give_up)(void *whom);
+    void *whom;
 } bb_residency;
 
 /* Finds the layout that a kernel of this specification reads, or adds it. BB_INVALID if there are
@@ -56,6 +60,10 @@ void bb_residency_end(bb_residency *all);
  * room: only its layouts make room, all of them for a tree, all but one kind for a layout. So trees
  * that are used together are all made before their layouts. */
 void bb_residency_pin(bb_residency *all, bb_resident *first, uint32_t count);
+
+/* Frees what others have, and all layouts, for other needs of `keep`, whose tree stays. Returns false
+ * if there was nothing to free. */
+bool bb_residency_make_room(bb_residency *all, const bb_resident *keep);
 
 /* Makes sure that the tree exists. If it does not fit beside the others, they are evicted. */
 bb_status bb_resident_tree(bb_residency *all, bb_resident *resident);
@@ -77,13 +85,17 @@ bb_status bb_resident_layout(bb_residency *all, bb_resident *resident, uint32_t 
  * failure the layout is gone. */
 bb_status bb_resident_layout_again(bb_residency *all, bb_resident *resident, uint32_t layout);
 
-/* Checks the tree (bb_tree_check()), on the host. */
+/* Checks the tree (bb_tree_check()), on the host, where a copy of it then lies. */
 bb_status bb_resident_check(bb_resident *resident);
 
 /* Raises bytes_held to what all hold now or held since their accounts were marked. */
 void bb_residency_note(bb_residency *all);
 
-/* Frees trees and layouts. */
-void bb_resident_evict(bb_resident *resident);
+/* Frees the tree and all that its builder holds; layouts stay. The tree is built again when
+ * somebody asks for it. Returns whether there was anything to free. */
+bool bb_resident_free_tree(bb_resident *resident);
+
+/* The same, and frees the layouts. */
+bool bb_resident_evict(bb_resident *resident);
 
 #endif

@@ -4,6 +4,7 @@
 #include "framework/cli/cells_option.h"
 #include "framework/cli/choice.h"
 #include "framework/cli/cli.h"
+#include "framework/cli/foretell.h"
 #include "framework/cli/output.h"
 #include "framework/cli/shard_option.h"
 #include "framework/device/device_private.h"
@@ -246,6 +247,8 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
     BB_TRY(choose(c));
     if (c->cells.group_count > 0)
         bb_cells_request(&c->cells.groups[0], request);
+    else if (!c->telling && !c->quick && !request->quiet)
+        bb_foretell(&c->device, request);
     const bb_comparison all = {
         .command = cli->command_line,
         .device = &c->device,
@@ -294,6 +297,11 @@ const bb_command bb_command_run = {
         "On a GPU a set has at least 1,048,576 rays (by least=N for rays that start from "
         "pictures), unless\n"
         "--size or --max-rays is given.\n"
+        "What a scene of more than 65,536 primitives takes is foretold first, from a small "
+        "comparison on a\n"
+        "sample of it: on a processor, for scenes without volume or motion, and not with --cell, "
+        "--quick,\n"
+        "--quiet or if nothing is chosen.\n"
         "2 to 5 --repeats give a range instead of an interval, 1 gives neither.\n"
         "A comma starts a new item of a list unless what follows it is key=value.\n"
         "Exit status 1: a cell with the intersector `exact` has more wrong answers than\n"

@@ -56,7 +56,7 @@ static const char *bounded_by(const bb_device *device)
 bb_status bb_device_has_room(const bb_device *device, uint64_t bytes, const char *what)
 {
     if (device->bytes + bytes <= device->global_bytes)
-        return BB_OK;
+        return device->is_cpu ? bb_host_has_room(bytes, what) : BB_OK;
     return bb_fail(BB_REFUSED, "%s needs %llu bytes, %llu of the %llu of %s are in use", what,
                    (unsigned long long)bytes, (unsigned long long)device->bytes,
                    (unsigned long long)device->global_bytes, bounded_by(device));
@@ -82,6 +82,8 @@ bb_status bb_buffer_reserve(bb_device *device, bb_account *account, size_t bytes
                        device->name, bb_cl_error(error));
     *buffer = (bb_buffer){mem, bytes, device, account};
     device->bytes += bytes;
+    if (device->is_cpu)
+        bb_host_book(bytes);
     bb_account_add(account, bytes);
     return BB_OK;
 }
@@ -91,6 +93,8 @@ void bb_buffer_release(bb_buffer *buffer)
     if (buffer->mem != NULL) {
         clReleaseMemObject(buffer->mem);
         buffer->device->bytes -= buffer->bytes;
+        if (buffer->device->is_cpu)
+            bb_host_unbook(buffer->bytes);
         bb_account_subtract(buffer->account, buffer->bytes);
     }
     *buffer = (bb_buffer){0};

@@ -8,6 +8,9 @@
 #include "framework/judge/embree_private.h"
 
 #include "framework/base/clock.h"
+#include "framework/base/interrupt.h"
+#include "framework/base/limits.h"
+#include "framework/base/memory.h"
 #include "framework/scene/prim.h"
 
 #include <math.h>
@@ -29,12 +32,25 @@ const bb_option bb_embree_options[] = {
 
 /* ---- Embree's errors and version ---- */
 
+/* Embree asks before it takes memory, unless `post` says that it has. */
 static bool count_bytes(void *user, ssize_t bytes, bool post)
 {
     bb_embree *embree = user;
-    (void)post;
+    if (bytes > 0 && !post && bb_host_has_room((uint64_t)bytes, "Embree") != BB_OK)
+        return false;
+    if (bytes > 0)
+        bb_host_book((uint64_t)bytes);
+    else
+        bb_host_unbook((uint64_t)-bytes);
     atomic_fetch_add_explicit(&embree->bytes, bytes, memory_order_relaxed);
     return true;
+}
+
+/* Ends a build that nobody waits for any more. */
+static bool goes_on(void *user, double share)
+{
+    (void)user, (void)share;
+    return !bb_interrupted();
 }
 
 static void keep_error(void *user, enum RTCError code, const char *text)
@@ -70,9 +86,14 @@ static bb_status check(bb_embree *embree, const char *what)
     int code = atomic_exchange(&embree->error, RTC_ERROR_NONE);
     if (code == RTC_ERROR_NONE)
         return BB_OK;
-    return bb_fail(code == RTC_ERROR_OUT_OF_MEMORY ? BB_REFUSED : BB_FAILED,
-                   "Embree, %s of scene '%s' (%u primitives): %s (error %d)", what, of->name,
-                   of->prim_count, embree->text, code);
+    if (code == RTC_ERROR_OUT_OF_MEMORY)
+        return bb_fail(BB_REFUSED,
+                       "Embree has no room for the %s of scene '%s' (%u primitives) beside %llu "
+                       "bytes in use; %s is %llu: take a smaller scene or fewer builders",
+                       what, of->name, of->prim_count, (unsigned long long)bb_host_account()->bytes,
+                       bb_memory_limit_by(), (unsigned long long)bb_memory_limit());
+    return bb_fail(BB_FAILED, "Embree, %s of scene '%s' (%u primitives): %s (error %d)", what,
+                   of->name, of->prim_count, embree->text, code);
 }
 
 /* ---- building ---- */
@@ -227,6 +248,7 @@ static bb_status build(bb_embree *embree, const bb_scene *scene, const bb_spec *
     BB_TRY(check(embree, "creation"));
     rtcSetSceneFlags(embree->scene, fast ? RTC_SCENE_FLAG_NONE : RTC_SCENE_FLAG_ROBUST);
     rtcSetSceneBuildQuality(embree->scene, quality);
+    rtcSetSceneProgressMonitorFunction(embree->scene, goes_on, NULL);
     add_geometry(embree, scene, quality);
     return check(embree, "geometry");
 }

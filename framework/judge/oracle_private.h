@@ -17,9 +17,6 @@ struct bb_oracle {
     float *heights; /* smallest height of each triangle, diameter of each sphere */
 };
 
-/* Makes the last three members; a second call does nothing. */
-bb_status bb_oracle_prepare(bb_oracle *oracle);
-
 /* Frees answers->judged. */
 void bb_judged_release(bb_answers *answers);
 

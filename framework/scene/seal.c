@@ -126,18 +126,19 @@ static bb_status open_hasher(bb_device *device, hasher *h)
 {
     BB_TRY(bb_program_build(device, bb_source_find("seal.cl"), "", &h->program));
     BB_TRY(bb_kernel_get(h->program, "seal_lines", &h->kernel));
-    /* not of the device's memory that scenes and trees share: they may have filled it */
+    /* neither is of the memory that scenes and trees share: they may have filled it */
     const size_t bytes = ITEMS * sizeof *h->words;
     cl_int error;
     h->hashes = (bb_buffer){.bytes = bytes, .device = device};
     h->hashes.mem = clCreateBuffer(device->context, CL_MEM_READ_WRITE, bytes, NULL, &error);
     BB_CL_TRY(error, "room for hashes of the scene");
-    return bb_host_alloc(NULL, ITEMS * sizeof *h->words, "hashes of the scene", &h->words);
+    h->words = malloc(ITEMS * sizeof *h->words);
+    return h->words != NULL ? BB_OK : bb_fail(BB_REFUSED, "no memory for hashes of the scene");
 }
 
 static void close_hasher(hasher *h)
 {
-    bb_host_free(h->words);
+    free(h->words);
     if (h->hashes.mem != NULL)
         clReleaseMemObject(h->hashes.mem);
     bb_kernel_release(h->kernel);

@@ -1,0 +1,218 @@
+/* Predicts time and memory of a comparison from a small one. */
+#include "framework/bench/forecast.h"
+
+#include "framework/base/interrupt.h"
+#include "framework/base/memory.h"
+#include "framework/bench/bench_private.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    SIDE = 8,        /* the small pictures have one pixel for so many by so many */
+    SIDE_LEAST = 16, /* but at least these sides */
+    RAYS_LEAST = 512,
+};
+
+/* ---- time ---- */
+
+/* What the time of a step grows with. Of rays it also grows with the depth of trees. */
+typedef enum growth {
+    WITH_PRIMS = 1,
+    WITH_ROUNDS = 2,
+    WITH_RAYS = 4,    /* of all ray sets */
+    WITH_COUNTED = 8, /* the rays that are counted of each set */
+    PAID = 16,        /* the small comparison has done it for the whole one */
+} growth;
+
+/* All others take as long as in the small comparison. */
+static const struct {
+    const char *step;
+    unsigned growth;
+} steps[] = {
+    {"compile builders", PAID},
+    {"compile kernels", PAID},
+    {"upload scenes", WITH_PRIMS},
+    {"oracle: build", WITH_PRIMS},
+    {"make boxes", WITH_PRIMS},
+    {"compile, allocate, first builds", WITH_PRIMS},
+    {"prepare, restore, warm up", WITH_PRIMS | WITH_ROUNDS},
+    {"unseen inputs", WITH_PRIMS},
+    {"builds for phase times", WITH_PRIMS},
+    {"check trees, SAH", WITH_PRIMS},
+    {"transfers", WITH_PRIMS},
+    {"layouts", WITH_PRIMS | WITH_ROUNDS},
+    {"oracle: prepare", WITH_PRIMS},
+    {"make rays", WITH_RAYS},
+    {"oracle: trace", WITH_RAYS},
+    {"oracle: arbitrate", WITH_RAYS},
+    {"poison and copy answers", WITH_RAYS | WITH_ROUNDS},
+    {"judge answers", WITH_RAYS},
+    {"count tests", WITH_COUNTED},
+};
+
+bool bb_bench_knows_growth(const char *step)
+{
+    bool known = false;
+    for (size_t i = 0; i < sizeof steps / sizeof steps[0]; i++)
+        known = known || strcmp(steps[i].step, step) == 0;
+    return known;
+}
+
+/* How many times as much there is of everything. */
+typedef struct scale {
+    double prims, rounds, rays, counted;
+} scale;
+
+static double grown(double ms, unsigned growth, const scale *by)
+{
+    if (!isfinite(ms) || growth == PAID)
+        return 0;
+    ms *= (growth & WITH_PRIMS) != 0 ? by->prims : 1;
+    ms *= (growth & WITH_ROUNDS) != 0 ? by->rounds : 1;
+    ms *= (growth & WITH_RAYS) != 0 ? by->rays : 1;
+    return ms * ((growth & WITH_COUNTED) != 0 ? by->counted : 1);
+}
+
+static double foretell_ms(const bb_results *small, const bb_bench_times *times, const scale *by)
+{
+    double ms = grown(times->build_ms, WITH_PRIMS | WITH_ROUNDS, by) +
+                grown(times->trace_ms, WITH_RAYS | WITH_ROUNDS, by);
+    double listed = 0;
+    for (size_t i = 0; i < sizeof steps / sizeof steps[0]; i++) {
+        const double step = bb_results_step_ms(small, steps[i].step);
+        ms += grown(step, steps[i].growth, by);
+        listed += isfinite(step) ? step : 0;
+    }
+    return ms + times->total_ms - times->build_ms - times->trace_ms - listed;
+}
+
+/* ---- the small comparison ---- */
+
+static uint32_t at_least(uint32_t small, uint32_t least, uint32_t all)
+{
+    return small > least ? small : least < all ? least : all;
+}
+
+static bb_bench_request small_request(const bb_bench_request *of, bb_scene *sample,
+                                      char *const *text)
+{
+    bb_bench_request small = *of;
+    small.scenes = text;
+    small.scene_count = 1;
+    small.scene = sample;
+    small.oracle = NULL;
+    small.width = at_least(of->width / SIDE, SIDE_LEAST, of->width);
+    small.height = at_least(of->height / SIDE, SIDE_LEAST, of->height);
+    small.max_rays = at_least(of->max_rays / (SIDE * SIDE), RAYS_LEAST, of->max_rays);
+    small.max_views = 1;
+    small.repeats = 1;
+    small.shard = NULL;
+    small.tell = NULL;
+    small.picture_folder = NULL;
+    small.quiet = true;
+    return small;
+}
+
+static double counted(double rays)
+{
+    return fmin(rays, BB_COUNTED_RAYS);
+}
+
+static scale scale_of(const bb_bench_request *whole, const bb_bench_request *small, double prims,
+                      double sample_prims, double sets)
+{
+    const double rays = (double)whole->width * whole->height + whole->max_rays,
+                 small_rays = (double)small->width * small->height + small->max_rays;
+    const double deeper = log2(prims) / log2(sample_prims);
+    return (scale){.prims = prims / sample_prims,
+                   .rounds = (whole->repeats + 1.0) / (small->repeats + 1.0),
+                   .rays = rays / small_rays * sets * deeper,
+                   .counted = counted(rays / 2) / counted(small_rays / 2) * sets * deeper};
+}
+
+/* Where programs had to be compiled, it is in these steps. */
+static double compile_ms(const bb_results *results)
+{
+    return bb_results_step_ms(results, "compile builders") +
+           bb_results_step_ms(results, "compile kernels") +
+           bb_results_step_ms(results, "compile, allocate, first builds");
+}
+
+/* Runs it twice where its programs had to be compiled: the first time then says nothing. *bytes:
+ * the most that was booked beyond what was before. The caller destroys *results, also after a
+ * failure. */
+static bb_status run_small(const bb_bench_request *small, bb_results **results,
+                           bb_bench_outcome *outcome, double *bytes)
+{
+    bb_account *all = bb_host_account();
+    const bb_context context = {small->device, small->seed, ""};
+    const uint64_t before = all->bytes;
+    for (int i = 0; i < 2; i++) {
+        bb_results_destroy(*results);
+        *results = NULL;
+        BB_TRY(bb_results_create(&context, results));
+        bb_account_mark(all);
+        BB_TRY(bb_bench_run(small, *results, outcome));
+        *bytes = (double)(all->peak - before);
+        if (bb_interrupted() || !(compile_ms(*results) > outcome->times.total_ms / 2))
+            break;
+    }
+    return BB_OK;
+}
+
+/* Returns the ray sets of the scene that are to be traced. */
+static double sets_of(const bb_bench_request *request, const bb_scene *scene, const char *text)
+{
+    bb_bench_request whole = *request;
+    bb_bench *bench = calloc(1, sizeof *bench);
+    if (bench == NULL || request->workload_count == 0) {
+        free(bench);
+        return 0;
+    }
+    whole.shard = NULL;
+    bench->request = &whole;
+    const double sets = bb_bench_part_of(bench, scene, text).sets;
+    free(bench);
+    return request->shard != NULL ? sets / request->shard->count : sets;
+}
+
+/* Returns the bytes of a set's rays and answers, on the host and on the device. */
+static double ray_bytes(const bb_bench_request *request)
+{
+    const double rays = fmax((double)request->width * request->height, request->max_rays);
+    return rays * BB_BYTES_PER_RAY + fmin(rays, BB_BATCH) * (sizeof(bb_ray) + BB_RESULT_BYTES_MAX);
+}
+
+bool bb_bench_can_be_foretold(const bb_scene *scene)
+{
+    return scene->prim_count > BB_FORECAST_PRIMS && scene->volume == NULL && scene->motion == NULL;
+}
+
+bb_status bb_bench_forecast(const bb_bench_request *request, const bb_scene *scene,
+                            const char *text, bb_forecast *forecast)
+{
+    bb_scene *sample = NULL;
+    bb_results *results = NULL;
+    bb_bench_outcome outcome;
+    char *name = (char *)text; /* which nobody writes to */
+    const double resident = (double)bb_host_resident();
+    const uint32_t share = scene->prim_count / BB_FORECAST_SHARE;
+    const uint32_t most = share > BB_FORECAST_PRIMS ? share : BB_FORECAST_PRIMS;
+    *forecast = (bb_forecast){NAN, NAN};
+    BB_TRY(bb_scene_sample(scene, most, &sample));
+    const bb_bench_request small = small_request(request, sample, &name);
+    double bytes = 0;
+    bb_status status = run_small(&small, &results, &outcome, &bytes);
+    if (status == BB_OK && !bb_interrupted()) {
+        const double sets = sets_of(request, scene, text);
+        const scale by = scale_of(request, &small, scene->prim_count, sample->prim_count,
+                                  outcome.sets > 0 ? sets / outcome.sets : 0);
+        forecast->seconds = foretell_ms(results, &outcome.times, &by) / 1e3;
+        forecast->bytes = resident + by.prims * (bytes - ray_bytes(&small)) + ray_bytes(request);
+    }
+    bb_results_destroy(results);
+    bb_scene_free(sample);
+    return status;
+}
