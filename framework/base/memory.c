@@ -69,7 +69,7 @@ static _Atomic uint64_t missing;
 
 uint64_t bb_host_missing(void)
 {
-    return missing;
+    return atomic_exchange(&missing, 0);
 }
 
 uint64_t bb_host_most(void)
@@ -84,9 +84,11 @@ bb_status bb_host_has_room(uint64_t bytes, const char *what)
     const uint64_t most = bb_host_most();
     const uint64_t in_use = __atomic_load_n(&all.bytes, __ATOMIC_RELAXED);
     const uint64_t room = in_use < most ? most - in_use : 0;
-    missing = bytes > room ? bytes - room : 0;
     if (bytes <= room)
         return BB_OK;
+    uint64_t before = missing;
+    while (before < bytes - room && !atomic_compare_exchange_weak(&missing, &before, bytes - room))
+        ;
     return bb_fail(BB_REFUSED,
                    "%s needs %llu bytes beside the %llu in use; %s is %llu, a sixteenth of it left "
                    "to drivers and compilers: take a smaller scene or fewer builders",

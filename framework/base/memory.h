@@ -54,15 +54,6 @@ uint64_t bb_host_peak_since_mark(void);
 /* Returns the bytes that the process has in memory now, to some hundred KiB; 0 if unknown. */
 uint64_t bb_host_resident(void);
 
-#ifdef __cplusplus
-}
-#endif
-#pragma GCC visibility pop
-
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* ---- one account of all: of bb_host_alloc(), of devices that share the host's memory, of
  * libraries that say what they take ---- */
 
@@ -71,7 +62,7 @@ extern "C" {
 uint64_t bb_host_most(void);
 /* BB_REFUSED names `what` and the bytes if they do not fit beside all that is booked. */
 bb_status bb_host_has_room(uint64_t bytes, const char *what);
-/* Returns how many bytes were missing when it last said; 0: none. */
+/* Returns the most bytes that were missing at a refusal since the last call; 0: none. */
 uint64_t bb_host_missing(void);
 void bb_host_book(uint64_t bytes);
 void bb_host_unbook(uint64_t bytes);
@@ -82,5 +73,6 @@ bb_account *bb_host_account(void);
 #ifdef __cplusplus
 }
 #endif
+#pragma GCC visibility pop
 
 #endif

@@ -110,8 +110,7 @@ static bb_status start_buffers(bb_bench *bench)
     uint64_t most = (uint64_t)request->width * request->height;
     most = most > request->max_rays ? most : request->max_rays;
     bench->batch = most < BB_BATCH ? (uint32_t)most : BB_BATCH;
-    BB_TRY(bb_host_has_room(most * BB_BYTES_PER_RAY, "rays and answers"));
-    bench->kept_for_rays = most * BB_BYTES_PER_RAY;
+    bench->kept_for_rays = (uint64_t)bench->batch * BB_BYTES_PER_RAY;
     bb_host_book(bench->kept_for_rays);
     BB_TRY(bb_buffer_reserve(bench->device, &bench->account, bench->batch * sizeof(bb_ray), "rays",
                              &bench->rays));

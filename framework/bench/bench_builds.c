@@ -482,16 +482,22 @@ static void make_first_trees(bb_bench *bench)
     }
 }
 
+static bb_status measure_built(bb_bench *bench, bb_entrant *entrant, bool own)
+{
+    entrant->record.transfer_ms.count = 0;
+    if (own)
+        BB_TRY(measure_transfer(bench, entrant));
+    return measure_tree(bench, entrant);
+}
+
 static bb_status finish_builder(bb_bench *bench, bb_entrant *entrant, bool own)
 {
     finish_phases(entrant);
     bb_resident *resident = entrant->resident;
     BB_TRY(bb_bench_tree(bench, entrant));
-    if (own)
-        BB_TRY(measure_transfer(bench, entrant));
-    bb_status status = measure_tree(bench, entrant);
+    bb_status status = measure_built(bench, entrant, own);
     while (status == BB_REFUSED && bb_residency_make_room(&bench->residency, resident))
-        status = measure_tree(bench, entrant);
+        status = measure_built(bench, entrant, own);
     BB_TRY(status);
     if (resident->instance.tree.place == BB_ON_DEVICE)
         bb_tree_drop_copy(&resident->instance.tree);

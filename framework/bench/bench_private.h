@@ -91,7 +91,7 @@ typedef struct bb_bench {
     bb_progress *progress;
     uint32_t batch; /* rays per launch */
     bool traces;    /* layouts are measured: trees are freed as soon as they have served */
-    /* bytes booked while no ray set is on the host, so that there is room for the largest */
+    /* bytes booked while no ray set is on the host, so that there is room for a launch's rays */
     uint64_t kept_for_rays;
     bb_bench_outcome *outcome;
     double start;
@@ -125,8 +125,9 @@ bb_status bb_bench_scene(bb_bench *bench, const char *name);
 /* Measures the builds of all entrants, interleaved, and fills their records. */
 bb_status bb_bench_builds(bb_bench *bench);
 
-/* For a builder that was refused memory of the host: frees the trees of all references if they hold
- * what was missing, and returns whether they do. Their rows are refused then. `whom` is the bench. */
+/* For a builder that was refused memory of the host: frees the trees of all references if they
+ * hold what was missing, and returns whether they do. Their rows are refused then. `whom` is the
+ * bench. */
 bool bb_bench_give_up_references(void *whom);
 
 /* Records a failure, unless it failed because the run was interrupted. */

@@ -123,8 +123,26 @@ static bb_status start_entrants(bb_bench *bench)
     return BB_OK;
 }
 
+static bool built_any(const bb_bench *bench)
+{
+    bool any = false;
+    for (uint32_t i = 0; i < bench->entrant_count; i++)
+        any = any || bench->entrants[i].record.status == BB_OK;
+    return any;
+}
+
+/* Returns whether a row has what was asked of it, or lacks it for no fault of its own: a library
+ * without packets, a reference without room beside builders. */
+static bool is_excused(const bb_entrant *entrant, bool others)
+{
+    const bb_status status = entrant->record.status;
+    return status == BB_OK ||
+           (entrant->reference && (status == BB_UNSUPPORTED || (status == BB_REFUSED && others)));
+}
+
 static bb_status record_builds(bb_bench *bench)
 {
+    const bool others = built_any(bench);
     for (uint32_t i = 0; i < bench->entrant_count; i++) {
         bb_entrant *entrant = &bench->entrants[i];
         bool measured = entrant->record.build_ms.count > 0 || entrant->record.unmeasured;
@@ -133,10 +151,8 @@ static bb_status record_builds(bb_bench *bench)
         if (strcmp(bb_status_word(entrant->record.status), "failed") == 0 && !entrant->reference)
             bench->outcome->wrong++;
         for (uint32_t b = 0; b < bench->request->builder_count; b++)
-            if (entrant->text == bench->request->builders[b] &&
-                (entrant->record.status == BB_OK ||
-                 (entrant->reference && entrant->record.status != BB_FAILED)))
-                bench->built[b] = true; /* or a library that lacks packets, or room */
+            if (entrant->text == bench->request->builders[b] && is_excused(entrant, others))
+                bench->built[b] = true;
         BB_TRY(bb_results_add_build(bench->results, &entrant->record));
     }
     return BB_OK;
@@ -174,6 +190,9 @@ static bb_status trace_rays(bb_bench *bench, const bb_spec *spec, const bb_view 
         return BB_OK;
     bench->traced_sets++;
     bb_host_unbook(bench->kept_for_rays);
+    while (bb_host_has_room(bench->kept_for_rays, "rays and answers") != BB_OK &&
+           bb_residency_make_room(&bench->residency, NULL))
+        ; /* layouts were made in that room while the last set was traced */
     const bb_status status = make_and_trace(bench, spec, view);
     bb_host_book(bench->kept_for_rays);
     return status;

@@ -111,6 +111,7 @@ static bb_bench_request small_request(const bb_bench_request *of, bb_scene *samp
     small.shard = NULL;
     small.tell = NULL;
     small.picture_folder = NULL;
+    small.metric_count = 0;
     small.quiet = true;
     return small;
 }
@@ -182,7 +183,7 @@ static double sets_of(const bb_bench_request *request, const bb_scene *scene, co
 static double ray_bytes(const bb_bench_request *request)
 {
     const double rays = fmax((double)request->width * request->height, request->max_rays);
-    return rays * BB_BYTES_PER_RAY + fmin(rays, BB_BATCH) * (sizeof(bb_ray) + BB_RESULT_BYTES_MAX);
+    return fmin(rays, BB_BATCH) * (BB_BYTES_PER_RAY + sizeof(bb_ray) + BB_RESULT_BYTES_MAX);
 }
 
 bool bb_bench_can_be_foretold(const bb_scene *scene)

@@ -89,9 +89,16 @@ void bb_residency_pin(bb_residency *all, bb_resident *first, uint32_t count)
         first[i].pinned = true;
 }
 
+/* An attempt begins: what others lacked before is no reason to give up anything for it. */
+static void begin_attempt(void)
+{
+    (void)bb_host_missing();
+}
+
 static bb_status create_and_build(bb_residency *all, bb_resident *resident, double *ms)
 {
     bb_build_timing timing;
+    begin_attempt();
     if (resident->instance.pipeline.count == 0)
         BB_TRY(bb_instance_create(all->device, resident->text, resident->scene, all->seed,
                                   &resident->instance));
@@ -141,6 +148,7 @@ bb_status bb_resident_build(bb_residency *all, bb_resident *resident, bool exact
 {
     BB_TRY(bb_resident_tree(all, resident));
     bb_instance *instance = &resident->instance;
+    begin_attempt();
     bb_status status = bb_instance_build(instance, resident->scene, exact, timing);
     while (status == BB_REFUSED && make_room(all, resident, BB_NONE))
         status = bb_instance_build(instance, resident->scene, exact, timing);
@@ -202,6 +210,7 @@ static bb_status make_layout(bb_residency *all, bb_resident *resident, uint32_t 
     bb_layout_choice *choice = &all->layouts[layout];
     bb_layout_data *data = &resident->layouts[layout];
     bb_tree *tree = &resident->instance.tree;
+    begin_attempt();
     BB_TRY(ready_maker(all, choice));
     BB_TRY(bb_tree_upload(tree, all->device, NULL));
     return bb_layout_maker_make(&choice->maker, resident->scene, tree, choice->leaf, choice->format,

@@ -61,8 +61,8 @@ void bb_residency_end(bb_residency *all);
  * that are used together are all made before their layouts. */
 void bb_residency_pin(bb_residency *all, bb_resident *first, uint32_t count);
 
-/* Frees what others have, and all layouts, for other needs of `keep`, whose tree stays. Returns false
- * if there was nothing to free. */
+/* Frees what others have, and all layouts, for other needs of `keep`, whose tree stays (NULL: of
+ * nobody). Returns false if there was nothing to free. */
 bool bb_residency_make_room(bb_residency *all, const bb_resident *keep);
 
 /* Makes sure that the tree exists. If it does not fit beside the others, they are evicted. */

@@ -78,6 +78,11 @@ void bb_guard_leave(void)
         atomic_store(&shared->since, 0.0);
 }
 
+void bb_guard_detach(void)
+{
+    shared = NULL;
+}
+
 bool bb_guard_said(void)
 {
     static uint32_t count; /* by this process */

@@ -45,6 +45,8 @@ void bb_guard_alive(void);
 /* Counts a line of output. Returns whether a process before this one, which died, has printed it:
  * for commands that print as they go. */
 bool bb_guard_said(void);
+/* For a child process whose hooks are nobody's business: from now on it is not guarded. */
+void bb_guard_detach(void);
 /* Returns how the row died, as "WHO died in HOOK(): how", if it did at this scene, at none, or at
  * three others, else NULL. The text stays until the process ends. */
 const char *bb_guard_death(bb_guarded whose);

@@ -5,6 +5,7 @@
 #include "framework/cli/choice.h"
 #include "framework/cli/cli.h"
 #include "framework/cli/foretell.h"
+#include "framework/cli/out_option.h"
 #include "framework/cli/output.h"
 #include "framework/cli/shard_option.h"
 #include "framework/device/device_private.h"
@@ -158,7 +159,6 @@ static bb_status choose(comparison *c)
 {
     const uint32_t device = bb_device_find_kind(c->device.name);
     bb_bench_request *request = &c->request;
-    BB_TRY(bb_choose_scenes(&c->entrants.scenes, bb_add_shipped_scenes));
     BB_TRY(bb_choose_entrants(&c->entrants.builders));
     BB_TRY(choose_traces(c));
     BB_TRY(bb_choose_intersectors(&c->entrants.intersectors));
@@ -231,6 +231,25 @@ static uint64_t hash_of(const comparison *c)
     return hash;
 }
 
+static bb_status choose_for_forecast(void *user, const bb_bench_request **request)
+{
+    comparison *c = user;
+    *request = &c->request;
+    return choose(c);
+}
+
+/* Only after places that cannot be written are refused, since it may take minutes. */
+static bb_status foretell(comparison *c)
+{
+    const bb_foretelling what = {&c->entrants.scenes, &c->device, choose_for_forecast, c};
+    if (c->cells.group_count > 0 || c->telling || c->quick || c->request.quiet)
+        return BB_OK;
+    BB_TRY(bb_out_folder(c->folder));
+    BB_TRY(bb_output_append(c->history, NULL));
+    bb_foretell(&what);
+    return BB_OK;
+}
+
 static bb_status run(const bb_cli *cli, void *values, int *exit_status)
 {
     comparison *c = values;
@@ -244,11 +263,11 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
     BB_TRY(bb_charts_decide(&c->charts));
     BB_TRY(bb_load_plugins(&c->device.plugins));
     BB_TRY(bb_cells_read(&c->keys, &c->cells));
+    BB_TRY(bb_choose_scenes(&c->entrants.scenes, bb_add_shipped_scenes));
+    BB_TRY(foretell(c));
     BB_TRY(choose(c));
     if (c->cells.group_count > 0)
         bb_cells_request(&c->cells.groups[0], request);
-    else if (!c->telling && !c->quick && !request->quiet)
-        bb_foretell(&c->device, request);
     const bb_comparison all = {
         .command = cli->command_line,
         .device = &c->device,

@@ -5,9 +5,18 @@
 #include "framework/bench/bench.h"
 #include "framework/cli/choice.h"
 
-/* Prints a line on standard error for each scene of `request` that is large, or why it is not
- * foretold. All is tried in children, so nothing stays of it but the driver's cache of kernels. No
- * device may be open. */
-void bb_foretell(const bb_device_choice *device, const bb_bench_request *request);
+/* What is foretold: a request that choose() makes of `user`, on a device. */
+typedef struct bb_foretelling {
+    const bb_names *scenes;
+    const bb_device_choice *device;
+    bb_status (*choose)(void *user, const bb_bench_request **request);
+    void *user;
+} bb_foretelling;
+
+/* Prints a line on standard error for each scene that is large, or why it is not foretold; nothing
+ * for what the comparison will refuse. All of it, choose() too, runs in children, so nothing stays
+ * but the driver's cache of kernels. To be called before anything asks for OpenCL's devices, whose
+ * drivers do not survive a fork. */
+void bb_foretell(const bb_foretelling *what);
 
 #endif

@@ -19,7 +19,7 @@ void bb_oracle_destroy(bb_oracle *oracle); /* NULL is allowed */
 bb_status bb_oracle_trace(bb_oracle *oracle, const bb_ray *rays, uint32_t count,
                           const bb_query *query, bb_hit *hits);
 
-/* Makes what arbitration needs, which takes time and memory once; whoever arbitrates does it too. */
+/* Makes what arbitration needs, once: it takes time and memory. Whoever arbitrates does it too. */
 bb_status bb_oracle_prepare(bb_oracle *oracle);
 
 /* What is known about one of the oracle's answers. */
