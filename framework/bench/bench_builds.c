@@ -472,7 +472,7 @@ static bb_status take_turn(void *self, uint32_t who, uint32_t round, double *ms)
 /* Makes all builders' first trees. References come after them, into the room that is left. */
 static void make_first_trees(bb_bench *bench)
 {
-    for (uint32_t i = 0; i < bench->entrant_count && !bb_interrupted(); i++) {
+    for (uint32_t i = 0; i < bench->entrant_count; i++) {
         bb_entrant *entrant = &bench->entrants[i];
         if (entrant->reference || entrant->record.status != BB_OK)
             continue;
@@ -520,10 +520,13 @@ bb_status bb_bench_builds(bb_bench *bench)
                       .count = bench->entrant_count,
                       .self = &self,
                       .turn = take_turn};
-    make_first_trees(bench);
+    const bool begins = !bb_interrupted(); /* the first round is then made to its end */
+    if (begins)
+        make_first_trees(bench);
     BB_TRY(bb_turns_warm_up(&turns, bench->progress, bench->scene->name, "builds"));
     const uint32_t unseen = bb_bench_draw_unseen(bench, bench->request->lean ? 0 : rounds);
-    for (uint32_t round = 0; round < rounds + phase_builds && !bb_interrupted(); round++) {
+    for (uint32_t round = 0;
+         round < rounds + phase_builds && (round == 0 ? begins : !bb_interrupted()); round++) {
         if (round == unseen)
             BB_TRY(bb_bench_unseen_round(bench));
         BB_TRY(bb_turns_round(&turns, round));
