@@ -275,19 +275,15 @@ static void convert(converter *to, const node *from, uint32_t depth)
 
 /* ---- hooks ---- */
 
-/* Embree asks before it takes memory, unless `post` says that it has. */
 static bool book(void *user, ssize_t bytes, bool post)
 {
     bb_account *account = user;
-    if (bytes > 0 && !post && bb_host_has_room((uint64_t)bytes, "Embree") != BB_OK)
+    if (!bb_host_follow(bytes, post, "Embree"))
         return false;
-    if (bytes > 0) {
-        bb_host_book((uint64_t)bytes);
+    if (bytes > 0)
         bb_account_add(account, (uint64_t)bytes);
-    } else {
-        bb_host_unbook((uint64_t)-bytes);
+    else
         bb_account_subtract(account, (uint64_t)-bytes);
-    }
     return true;
 }
 

@@ -5,7 +5,6 @@
 #include "framework/base/limits.h"
 
 #include <stdatomic.h>
-#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -94,6 +93,18 @@ bb_status bb_host_has_room(uint64_t bytes, const char *what)
                    "to drivers and compilers: take a smaller scene or fewer builders",
                    what, (unsigned long long)bytes, (unsigned long long)in_use,
                    bb_memory_limit_by(), (unsigned long long)bb_memory_limit());
+}
+
+bool bb_host_follow(int64_t bytes, bool taken, const char *what)
+{
+    if (bytes < 0) {
+        bb_host_unbook((uint64_t)-bytes);
+        return true;
+    }
+    if (!taken && bb_host_has_room((uint64_t)bytes, what) != BB_OK)
+        return false;
+    bb_host_book((uint64_t)bytes);
+    return true;
 }
 
 bb_status bb_host_alloc(bb_account *account, size_t bytes, const char *what, void *out)

@@ -9,6 +9,7 @@
 
 #include "framework/base/status.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -66,6 +67,9 @@ bb_status bb_host_has_room(uint64_t bytes, const char *what);
 uint64_t bb_host_missing(void);
 void bb_host_book(uint64_t bytes);
 void bb_host_unbook(uint64_t bytes);
+/* For libraries that tell what they take, before it or (`taken`) after it; a negative number is
+ * given back. Returns false without room: nothing is booked, and the library must not take it. */
+bool bb_host_follow(int64_t bytes, bool taken, const char *what);
 
 /* What is booked now, and the most since its last bb_account_mark(). */
 bb_account *bb_host_account(void);

@@ -190,9 +190,10 @@ static bb_status trace_rays(bb_bench *bench, const bb_spec *spec, const bb_view 
         return BB_OK;
     bench->traced_sets++;
     bb_host_unbook(bench->kept_for_rays);
-    while (bb_host_has_room(bench->kept_for_rays, "rays and answers") != BB_OK &&
-           bb_residency_make_room(&bench->residency, NULL))
-        ; /* layouts were made in that room while the last set was traced */
+    /* layouts may have been made in that room while the last set was traced */
+    bool frees = true;
+    while (frees && bb_host_has_room(bench->kept_for_rays, "rays and answers") != BB_OK)
+        frees = bb_residency_make_room(&bench->residency, NULL);
     const bb_status status = make_and_trace(bench, spec, view);
     bb_host_book(bench->kept_for_rays);
     return status;

@@ -57,8 +57,10 @@ bb_status bb_device_has_room(const bb_device *device, uint64_t bytes, const char
 {
     if (device->bytes + bytes <= device->global_bytes)
         return device->is_cpu ? bb_host_has_room(bytes, what) : BB_OK;
-    return bb_fail(BB_REFUSED, "%s needs %llu bytes, %llu of the %llu of %s are in use", what,
-                   (unsigned long long)bytes, (unsigned long long)device->bytes,
+    return bb_fail(BB_REFUSED,
+                   "%s needs %llu bytes, %llu of the %llu of %s are in use: take a smaller scene "
+                   "or another device",
+                   what, (unsigned long long)bytes, (unsigned long long)device->bytes,
                    (unsigned long long)device->global_bytes, bounded_by(device));
 }
 

@@ -32,16 +32,11 @@ const bb_option bb_embree_options[] = {
 
 /* ---- Embree's errors and version ---- */
 
-/* Embree asks before it takes memory, unless `post` says that it has. */
 static bool count_bytes(void *user, ssize_t bytes, bool post)
 {
     bb_embree *embree = user;
-    if (bytes > 0 && !post && bb_host_has_room((uint64_t)bytes, "Embree") != BB_OK)
+    if (!bb_host_follow(bytes, post, "Embree"))
         return false;
-    if (bytes > 0)
-        bb_host_book((uint64_t)bytes);
-    else
-        bb_host_unbook((uint64_t)-bytes);
     atomic_fetch_add_explicit(&embree->bytes, bytes, memory_order_relaxed);
     return true;
 }

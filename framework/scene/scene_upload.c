@@ -28,10 +28,7 @@ static bb_status check_room(const bb_scene *scene, const bb_device *device, cons
                            scene->name, parts[i].what, (unsigned long long)parts[i].bytes,
                            device->name, (unsigned long long)device->largest_allocation);
     }
-    const bb_status status = bb_device_has_room(device, total, scene->name);
-    return status == BB_OK
-               ? BB_OK
-               : bb_fail(status, "%s: take a smaller scene or another device", bb_message());
+    return bb_device_has_room(device, total, scene->name);
 }
 
 static uint64_t vertex_bytes(const bb_scene *scene)
