@@ -1,17 +1,19 @@
 #include "framework/base/interrupt.h"
 
 #include <signal.h>
+#include <stdatomic.h>
 #include <string.h>
 #include <unistd.h>
 
-static volatile sig_atomic_t noted;
+static atomic_bool noted; /* threads of libraries read it */
+_Static_assert(ATOMIC_BOOL_LOCK_FREE == 2, "a signal handler may write it");
 static volatile sig_atomic_t noted_signals[NSIG];
 
 static void note(int signal_number)
 {
     static const char words[] = "\ninterrupted: ending with what was measured; once more ends it "
                                 "at once\n";
-    noted = 1;
+    noted = true;
     noted_signals[signal_number] = 1;
     signal(signal_number, SIG_DFL);
     ssize_t written = write(STDERR_FILENO, words, sizeof words - 1);
@@ -35,7 +37,7 @@ void bb_interrupt_catch(void)
 
 bool bb_interrupted(void)
 {
-    return noted != 0;
+    return noted;
 }
 
 bool bb_interrupt_changed(int signal_number, const struct sigaction *then,
