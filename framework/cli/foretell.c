@@ -33,8 +33,9 @@ static int foretell(void *user)
     bb_guard_detach();
     if (bb_scene_load(t->scene, &scene) != BB_OK || !bb_bench_can_be_foretold(scene) ||
         t->what->choose(t->what->user, &chosen) != BB_OK ||
-        bb_open_device(t->what->device, &device) != BB_OK || !device->is_cpu)
-        return 0;
+        bb_open_device(t->what->device, &device) != BB_OK || !device->is_cpu ||
+        bb_scene_has_room(scene, device) != BB_OK)
+        return 0; /* a refusal is left to the comparison itself */
     bb_bench_request request = *chosen;
     request.device = device;
     if (bb_bench_forecast(&request, scene, t->scene, &forecast) != BB_OK) {

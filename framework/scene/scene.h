@@ -267,8 +267,11 @@ void bb_scene_derive_views(bb_scene *scene);
 /* Reads views from a text file (format: scenes/README.md). */
 bb_status bb_views_read(const char *path, bb_view *views, uint32_t capacity, uint32_t *count);
 
+/* Refuses, with the bytes needed, a scene whose copy does not fit on the device. */
+bb_status bb_scene_has_room(bb_scene *scene, const bb_device *device);
+
 /* Copies the scene to the device (once; a second call with the same device does nothing) and
- * computes its boxes there. Refused, with the bytes needed, if it does not fit. */
+ * computes its boxes there. Refused as bb_scene_has_room() says. */
 bb_status bb_scene_upload(bb_scene *scene, bb_device *device);
 
 /* Computes on_device.boxes from the geometry on the device (kernels/boxes.cl). Enqueued, not waited

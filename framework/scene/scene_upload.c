@@ -4,7 +4,12 @@
 #include "framework/scene/seal.h"
 #include "framework/scene/tets.h"
 
-enum { GROUP_SIZE = 64 };
+#include <string.h>
+
+enum {
+    GROUP_SIZE = 64,
+    PARTS = 8,
+};
 
 typedef struct part {
     const char *what;
@@ -15,11 +20,10 @@ typedef struct part {
 /* Checks the room for all parts before allocating any, so that a refusal names the total and leaves
  * nothing behind.
  */
-static bb_status check_room(const bb_scene *scene, const bb_device *device, const part *parts,
-                            size_t count)
+static bb_status check_room(const bb_scene *scene, const bb_device *device, const part parts[PARTS])
 {
     uint64_t total = 0;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < PARTS; i++) {
         total += parts[i].bytes;
         if (parts[i].bytes > device->largest_allocation)
             return bb_fail(BB_REFUSED,
@@ -106,14 +110,12 @@ static bb_status fill(bb_scene *scene)
     return status;
 }
 
-bb_status bb_scene_upload(bb_scene *scene, bb_device *device)
+static void list_parts(bb_scene *scene, part parts[PARTS])
 {
     bb_scene_device *there = &scene->on_device;
-    if (there->device == device)
-        return BB_OK;
     const bb_volume *volume = scene->volume;
     const uint64_t word = sizeof(uint32_t);
-    const part parts[] = {
+    const part all[PARTS] = {
         {"the scene's boxes", &there->boxes, bb_scene_box_room(scene) * sizeof(bb_box)},
         {"the scene's vertices", &there->vertices, vertex_bytes(scene)},
         {"the scene's primitives", &there->prims, prim_bytes(scene)},
@@ -124,11 +126,27 @@ bb_status bb_scene_upload(bb_scene *scene, bb_device *device)
         {"flags of tetrahedra", &there->tet_flags, scene->prims[BB_TETRAHEDRON].count * word},
         {"a scalar field", &there->field, scene->tets != NULL ? scene->vertex_count * word : 0},
     };
-    enum { PARTS = sizeof parts / sizeof parts[0] };
+    memcpy(parts, all, sizeof all);
+}
+
+bb_status bb_scene_has_room(bb_scene *scene, const bb_device *device)
+{
+    part parts[PARTS];
+    list_parts(scene, parts);
+    return check_room(scene, device, parts);
+}
+
+bb_status bb_scene_upload(bb_scene *scene, bb_device *device)
+{
+    bb_scene_device *there = &scene->on_device;
+    if (there->device == device)
+        return BB_OK;
+    part parts[PARTS];
+    list_parts(scene, parts);
     for (size_t i = 0; i < PARTS; i++)
         bb_buffer_release(parts[i].buffer); /* on another device */
     there->device = NULL;
-    BB_TRY(check_room(scene, device, parts, PARTS));
+    BB_TRY(check_room(scene, device, parts));
     for (size_t i = 0; i < PARTS; i++) {
         /* Kernels have an argument for each part, so each needs a buffer. */
         size_t bytes = parts[i].bytes > 0 ? (size_t)parts[i].bytes : sizeof(bb_box);
