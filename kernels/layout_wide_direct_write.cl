@@ -6,6 +6,7 @@
 #include "wide_blocks.clh"
 #include "wide_boxes.clh"
 #include "wide_direct.clh"
+#include "wide_gather.clh"
 
 /* Writes the blocks of the leaf that node n became, from block `at` on. */
 void write_prims(const bb_block_writer *writer, global const bb_node *nodes,
@@ -69,42 +70,6 @@ kernel void direct_blocks(global const bb_node *nodes, global const uint *refs,
         bb_block_empty(&writer, at, BB_KIND_COUNT);
 }
 
-/* Transposes boxes, as nodes store them, to planes of axes, four by four. Takes pointers, not
- * arrays: an array parameter is __private, and where the address space is generic a member of
- * *boxes is not. */
-void transpose(const float8 *box, float *planes)
-{
-    for (uint c = 0; c < BB_WIDTH; c += 4u) {
-        float8 a = box[c], b = box[c + 1u], d = box[c + 2u], e = box[c + 3u];
-        float8 x_y = (float8)(a.s0, b.s0, a.s1, b.s1, a.s4, b.s4, a.s5, b.s5);
-        float8 also_x_y = (float8)(d.s0, e.s0, d.s1, e.s1, d.s4, e.s4, d.s5, e.s5);
-        float8 z = (float8)(a.s2, b.s2, a.s2, b.s2, a.s6, b.s6, a.s6, b.s6);
-        float8 also_z = (float8)(d.s2, e.s2, d.s2, e.s2, d.s6, e.s6, d.s6, e.s6);
-        vstore4((float4)(x_y.s01, also_x_y.s01), 0, planes + c);
-        vstore4((float4)(x_y.s45, also_x_y.s45), 0, planes + BB_WIDTH + c);
-        vstore4((float4)(x_y.s23, also_x_y.s23), 0, planes + 2u * BB_WIDTH + c);
-        vstore4((float4)(x_y.s67, also_x_y.s67), 0, planes + 3u * BB_WIDTH + c);
-        vstore4((float4)(z.s01, also_z.s01), 0, planes + 4u * BB_WIDTH + c);
-        vstore4((float4)(z.s45, also_z.s45), 0, planes + 5u * BB_WIDTH + c);
-    }
-}
-
-/* Gathers the boxes, as in the tree, of the nodes at the places. */
-void gather_boxes(global const bb_node *nodes, const uint sides[BB_WIDTH], bb_wide_boxes *boxes)
-{
-    float8 box[BB_WIDTH];
-    boxes->places = 0;
-    for (uint c = 0; c < BB_WIDTH; c++) {
-        box[c] = (float8)(INFINITY, INFINITY, INFINITY, 0.0f, -INFINITY, -INFINITY, -INFINITY,
-                          0.0f);
-        if (sides[c] == BB_NONE)
-            continue;
-        box[c] = vload8(0, (global const float *)(nodes + (sides[c] & BB_INDEX_MASK)));
-        boxes->places |= 1u << c;
-    }
-    transpose(box, boxes->planes);
-}
-
 /* Arguments for writing a node. `none`: the record that nothing hits. */
 typedef struct node_writer {
     global const bb_node *nodes;
@@ -132,12 +97,12 @@ void write_node(const node_writer *w, uint own[BB_WIDTH], uint children, global 
     bb_wide_boxes boxes;
     for (uint c = children; c < BB_WIDTH; c++)
         own[c] = BB_NONE;
-    gather_boxes(w->nodes, own, &boxes);
+    bb_gather_boxes(w->nodes, own, &boxes);
     bb_wide_scale_and_pad(&boxes, w->scale);
 #if BB_WIDTH == 8
     if (w->octants != 0u) {
         bb_wide_arrange(&boxes, children, own);
-        gather_boxes(w->nodes, own, &boxes);
+        bb_gather_boxes(w->nodes, own, &boxes);
         bb_wide_scale_and_pad(&boxes, w->scale);
     }
 #endif

@@ -18,7 +18,7 @@ static inline compressed read_compressed(const bb_scene *scene, bb_tree *tree, u
     bb_layout_maker maker;
     bb_layout_data data = {0};
     ASSERT_OK(bb_layout_maker_create(bb_layout_find("cwbvh"), device, &maker));
-    maker.wish.greedy = greedy;
+    maker.wish.plan = greedy ? BB_PLAN_GREEDY : BB_PLAN_OPTIMAL;
     ASSERT_OK(bb_layout_maker_make(&maker, scene, tree, leaf, BB_FORMAT_VERTICES, &data));
     const compressed c = {
         .nodes = download(&data.buffers[0]),

@@ -28,6 +28,10 @@ static const char *const kernels[] = {
     "stack8i:leaf=8,group=100,plan=greedy",
     "stack8i:leaf=64,rays=64,group=33,persistent=yes",
     "stack8i:leaf=8,order=octant,group=50",
+    "stack8i:plan=native,group=40",
+    "stack8:plan=native,order=octant",
+    "stack8q:leaf=4,plan=native",
+    "stack4:leaf=3,plan=native,group=5",
     "packet:leaf=2,group=33",
     "packet8:leaf=8,rays=8,group=100",
     "packet8:leaf=3,rays=16,few=0,persistent=yes",
@@ -127,6 +131,16 @@ static void aim(const bb_scene *scene, bb_random *random, bb_ray *ray)
 
 /* ---- trees ---- */
 
+/* Nodes of a layout take no more children than they have places. */
+static bool takes(const char *kernel, const bb_tree *tree)
+{
+    bb_spec spec;
+    const bb_kernel *k;
+    check(bb_kernel_parse(kernel, &spec, &k), kernel);
+    return bb_kernel_wish(&spec).plan != BB_PLAN_NATIVE ||
+           tree->info.arity <= bb_layout_find(k->layout)->width;
+}
+
 static void choose(bed *b, const char *kernel)
 {
     const bb_kernel *k;
@@ -219,8 +233,9 @@ static void grow(bb_scene *scene, uint32_t run, bb_random *random, bb_tree *tree
 static void test_run(uint32_t run)
 {
     static const uint32_t counts[] = {1, 2, 31, 32, 33, 64, 65, 255, 256, 257, RAYS_MAX};
-    static const char *const builders[] = {"null",  "lbvh", "sah:leaf=4",    "sbvh",
-                                           "lobvh", "ploc", "presplit+lbvh", "olbvh"};
+    static const char *const builders[] = {"null",          "lbvh",  "sah:leaf=4",
+                                           "sbvh",          "lobvh", "ploc",
+                                           "presplit+lbvh", "olbvh", "lbvh:arity=8"};
     bb_random random = bb_random_make(seed, run), other = bb_random_make(seed, run);
     static bb_ray rays[RAYS_MAX];
     bed brute, b;
@@ -251,6 +266,8 @@ static void test_run(uint32_t run)
             answer(&brute, rays, RAYS_MAX, q == 1 ? queries[0] : queries[q], right[q]);
     for (uint32_t k = 0; k < KERNELS; k++) {
         const uint32_t count = counts[bb_random_below(&random, sizeof counts / sizeof counts[0])];
+        if (!takes(kernels[k], &b.instance.tree))
+            continue;
         choose(&b, kernels[k]);
         device->form = (run + k) % 2 == 0 ? BB_FORM_CPU : BB_FORM_GPU; /* of what is compiled */
         for (uint32_t q = 0; q < 3; q++)

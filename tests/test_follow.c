@@ -67,8 +67,11 @@ static void stop(moving *m)
     bb_scene_free(m->scene);
 }
 
+static const bb_layout_wish planned = {.plan = BB_PLAN_OPTIMAL}, greedy = {.plan = BB_PLAN_GREEDY},
+                            native = {.plan = BB_PLAN_NATIVE}, by_tree = {.plan = BB_PLAN_BY_TREE};
+
 static void come_back(bb_device *device, const char *scene, const char *builder, const char *layout,
-                      uint32_t leaf, bool greedy)
+                      uint32_t leaf, bb_layout_wish wish)
 {
     moving m;
     bb_layout_maker maker;
@@ -77,8 +80,10 @@ static void come_back(bb_device *device, const char *scene, const char *builder,
     leaf = leaf_for(bb_layout_find(layout), leaf);
     start(&m, device, scene, builder);
     ASSERT_OK(bb_layout_maker_create(bb_layout_find(layout), device, &maker));
-    maker.wish.greedy = greedy;
+    maker.wish = wish;
     ASSERT_OK(bb_layout_maker_make(&maker, m.scene, &m.instance.tree, leaf, 0, &data));
+    if (wish.plan == BB_PLAN_BY_TREE) /* the optimiser hands on what the builder says */
+        assert_string_equal(data.name, "wide8:plan=native");
     bytes before = read_layout(&data);
     for (uint32_t frame = 1; frame <= FRAMES; frame++) {
         go_to(&m, frame % FRAMES);
@@ -114,7 +119,7 @@ static void layouts_come_back(void **state)
             come_back(
                 devices[CPU_FORM],
                 scene_of("crowd:kind=explode,n=100,frames=4", "crowd:kind=explode,n=2000,frames=4"),
-                "lbvh+refit", layouts[i], leaf, false);
+                "lbvh+refit", layouts[i], leaf, planned);
 }
 
 /* Nodes of many children: several pairs of a node, and sides that are made of several children. */
@@ -123,7 +128,7 @@ static void layouts_of_many_children_come_back(void **state)
     (void)state;
     for (int i = 0; i < LAYOUTS; i++)
         come_back(devices[CPU_FORM], scene_of("twist:n=100,frames=4", "twist:n=1500,frames=4"),
-                  "loose-bvh+refit", layouts[i], 1, false);
+                  "loose-bvh+refit", layouts[i], 1, planned);
 }
 
 /* Nodes that were opened greedily, straight from the tree and by way of pairs. */
@@ -131,9 +136,22 @@ static void greedy_nodes_come_back(void **state)
 {
     (void)state;
     const char *scene = scene_of("twist:n=100,frames=4", "twist:n=1500,frames=4");
-    come_back(devices[CPU_FORM], scene, "lbvh+refit", "wide8", 4, true);
-    come_back(devices[CPU_FORM], scene, "loose-bvh+refit", "wide4", 1, true);
-    come_back(devices[CPU_FORM], scene, "lbvh+refit", "cwbvh", 3, true);
+    come_back(devices[CPU_FORM], scene, "lbvh+refit", "wide8", 4, greedy);
+    come_back(devices[CPU_FORM], scene, "loose-bvh+refit", "wide4", 1, greedy);
+    come_back(devices[CPU_FORM], scene, "lbvh+refit", "cwbvh", 3, greedy);
+}
+
+/* The tree's own nodes: of 8 children with leaves of several primitives or of one, and of two. */
+static void native_nodes_come_back(void **state)
+{
+    (void)state;
+    const char *scene = scene_of("twist:n=100,frames=4", "twist:n=1500,frames=4");
+    for (int form = first_form(); form < FORMS; form += LEVELS_FORM) {
+        come_back(devices[form], scene, "lbvh:arity=8+refit", "wide8", 1, native);
+        come_back(devices[form], scene, "lbvh:arity=8+refit", "wide8", 8, by_tree);
+        come_back(devices[form], scene, "lbvh:arity=8,leaf=1+refit", "quant8", 1, native);
+        come_back(devices[form], scene, "lbvh+refit", "wide4", 3, native);
+    }
 }
 
 /* A tree that is one leaf, and one of a single inner node. */
@@ -143,7 +161,7 @@ static void small_layouts_come_back(void **state)
     for (int i = 0; i < LAYOUTS; i++)
         for (uint32_t leaf = 1; leaf <= 64; leaf += 63)
             come_back(devices[CPU_FORM], "crowd:kind=flow,n=2,frames=4", "lbvh+refit", layouts[i],
-                      leaf, false);
+                      leaf, planned);
 }
 
 /* A new tree of another number of nodes: what was known of the old one is forgotten. */
@@ -192,6 +210,7 @@ int main(void)
         cmocka_unit_test(layouts_come_back),
         cmocka_unit_test(layouts_of_many_children_come_back),
         cmocka_unit_test(greedy_nodes_come_back),
+        cmocka_unit_test(native_nodes_come_back),
         cmocka_unit_test(small_layouts_come_back),
         cmocka_unit_test(a_new_tree_is_followed_too),
     };

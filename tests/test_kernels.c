@@ -229,7 +229,7 @@ static void compare(const bb_scene *scene, const bb_layout_data *layout, const b
     assert_true(decided > RAYS / 2 && hits > RAYS / 4);
 }
 
-static void compare_on_tree(const bb_scene *scene, bb_tree *tree, uint32_t leaf, bool greedy,
+static void compare_on_tree(const bb_scene *scene, bb_tree *tree, uint32_t leaf, bb_plan plan,
                             const bb_kernel *kernel, const bb_intersector *intersector)
 {
     bb_layout_maker maker;
@@ -237,7 +237,7 @@ static void compare_on_tree(const bb_scene *scene, bb_tree *tree, uint32_t leaf,
     if (leaf > 1 && getenv("BVHBENCH_TEST_SMALL") != NULL)
         return; /* slow there, and test_collapse looks at leaf collapse itself */
     check(bb_layout_maker_create(bb_layout_find(kernel->layout), device, &maker), "layout");
-    maker.wish.greedy = greedy;
+    maker.wish.plan = plan;
     check(bb_layout_maker_make(&maker, scene, tree, leaf_for(maker.layout, leaf),
                                bb_intersector_format(intersector), &data),
           "layout");
@@ -270,7 +270,7 @@ static void kernels_agree_with_brute_force(void **state)
             check(bb_tree_upload(&instance.tree, device, NULL), "upload");
             for (const bb_kernel *const *kernel = bb_kernels; *kernel != NULL; kernel++)
                 for (uint32_t leaf = 1; leaf <= 4; leaf += 3)
-                    compare_on_tree(&scene, &instance.tree, leaf, false, *kernel,
+                    compare_on_tree(&scene, &instance.tree, leaf, BB_PLAN_OPTIMAL, *kernel,
                                     &bb_intersectors[0]);
             bb_instance_destroy(&instance);
         }
@@ -293,7 +293,8 @@ static void kernels_agree_on_greedy_nodes(void **state)
     for (const bb_kernel *const *kernel = bb_kernels; *kernel != NULL; kernel++)
         for (uint32_t leaf = 1; leaf <= 8 && bb_layout_find((*kernel)->layout)->width > 2;
              leaf += 7, ran++)
-            compare_on_tree(&scene, &instance.tree, leaf, true, *kernel, &bb_intersectors[0]);
+            compare_on_tree(&scene, &instance.tree, leaf, BB_PLAN_GREEDY, *kernel,
+                            &bb_intersectors[0]);
     assert_true(ran >= 12);
     bb_instance_destroy(&instance);
     release_scene(&scene);
@@ -318,7 +319,7 @@ static void every_kernel_takes_every_intersector(void **state)
             if ((c > 0 || small) && !affine)
                 continue; /* the kinds matter to the form of records */
             for (const bb_kernel *const *kernel = bb_kernels; *kernel != NULL; kernel++)
-                compare_on_tree(&scene, &instance.tree, small ? 1 : 4, false, *kernel, i);
+                compare_on_tree(&scene, &instance.tree, small ? 1 : 4, BB_PLAN_OPTIMAL, *kernel, i);
         }
         bb_instance_destroy(&instance);
         release_scene(&scene);
@@ -420,7 +421,7 @@ static void trees_of_any_arity_are_traced_rightly(void **state)
         check(bb_tree_check(&tree, &scene), "the test's own tree");
         check(bb_tree_upload(&tree, device, NULL), "upload");
         for (const bb_kernel *const *kernel = bb_kernels; *kernel != NULL; kernel++) {
-            compare_on_tree(&scene, &tree, trial % 3 == 0 ? 4 : 1, false, *kernel,
+            compare_on_tree(&scene, &tree, trial % 3 == 0 ? 4 : 1, BB_PLAN_OPTIMAL, *kernel,
                             &bb_intersectors[0]);
         }
         bb_tree_release(&tree);
@@ -473,7 +474,7 @@ static void a_tree_of_depth_200_is_traced_rightly(void **state)
         check(bb_tree_check(&tree, &scene), "the test's own tree");
         check(bb_tree_upload(&tree, device, NULL), "upload");
         for (const bb_kernel *const *kernel = bb_kernels; *kernel != NULL; kernel++)
-            compare_on_tree(&scene, &tree, 1, false, *kernel, &bb_intersectors[0]);
+            compare_on_tree(&scene, &tree, 1, BB_PLAN_OPTIMAL, *kernel, &bb_intersectors[0]);
         bb_tree_release(&tree);
         release_scene(&scene);
     }

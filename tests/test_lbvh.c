@@ -1,6 +1,6 @@
-/* LBVH against a slow recursive construction from the definition, in both forms, both ways of
- * linking, both code lengths; bit for bit. Seed: BVHBENCH_TEST_SEED. BVHBENCH_TEST_SMALL keeps the
- * inputs small (for oclgrind). */
+/* LBVH against slow recursive constructions from the definitions, binary and wide, in both forms,
+ * both ways of linking, both code lengths; bit for bit. Seed: BVHBENCH_TEST_SEED.
+ * BVHBENCH_TEST_SMALL keeps the inputs small (for oclgrind). */
 #include "framework/base/random.h"
 #include "framework/builder/instance.h"
 #include "tests/box_fixture.h"
@@ -97,9 +97,93 @@ static uint32_t reference_node(reference *r, uint32_t from, uint32_t to, uint32_
     return n;
 }
 
+/* The last child of a node, until the node's own skip is known. */
+#define LAST_CHILD (BB_NONE - 1)
+
+static void set_skips(reference *r, uint32_t n, uint32_t skip)
+{
+    r->nodes[n].skip = skip;
+    if (bb_node_is_leaf(&r->nodes[n]))
+        return;
+    uint32_t child = r->nodes[n].first;
+    while (r->nodes[child].skip != LAST_CHILD) {
+        const uint32_t next = r->nodes[child].skip;
+        set_skips(r, child, next);
+        child = next;
+    }
+    set_skips(r, child, skip);
+}
+
+/* How early items are to be cut: by the first bit in which their codes differ; 0 for a leaf. */
+static int rank_of(const reference *r, uint32_t from, uint32_t to, uint32_t leaf)
+{
+    const uint64_t differ = r->items[from].code ^ r->items[to - 1].code;
+    return to - from <= leaf ? 0 : differ == 0 ? 1 : 65 - __builtin_clzll(differ);
+}
+
+/* Cuts the range whose codes differ first as long as there is one of more than `leaf`, into 8 at
+ * most. */
+static uint32_t cut_ranges(const reference *r, uint32_t from, uint32_t to, uint32_t leaf,
+                           uint32_t ends[8])
+{
+    uint32_t count = 1;
+    ends[0] = to;
+    for (;;) {
+        uint32_t largest = 0;
+        int most = 0;
+        for (uint32_t c = 0; c < count; c++) {
+            const int rank = rank_of(r, c > 0 ? ends[c - 1] : from, ends[c], leaf);
+            largest = rank > most ? c : largest;
+            most = rank > most ? rank : most;
+        }
+        if (count == 8 || most == 0)
+            return count;
+        const uint32_t begin = largest > 0 ? ends[largest - 1] : from, end = ends[largest];
+        for (uint32_t c = count++; c > largest; c--)
+            ends[c] = ends[c - 1];
+        ends[largest] = r->items[begin].code == r->items[end - 1].code
+                            ? begin + (end - begin) / 2
+                            : split_of(r->items, begin, end);
+    }
+}
+
+static uint32_t wide_reference_node(reference *r, uint32_t from, uint32_t to, uint32_t leaf,
+                                    uint32_t depth)
+{
+    uint32_t n = r->node_count++, ends[8], before = BB_NONE;
+    bb_node *node = &r->nodes[n];
+    *node = (bb_node){{INFINITY, INFINITY, INFINITY},
+                      BB_LEAF_BIT | from,
+                      {-INFINITY, -INFINITY, -INFINITY},
+                      LAST_CHILD};
+    r->depth = depth > r->depth ? depth : r->depth;
+    for (uint32_t i = from; i < to; i++)
+        for (int k = 0; k < 3; k++) {
+            node->lo[k] = fminf(node->lo[k], r->boxes[r->items[i].prim].lo[k]);
+            node->hi[k] = fmaxf(node->hi[k], r->boxes[r->items[i].prim].hi[k]);
+        }
+    if (to - from <= leaf) {
+        for (uint32_t i = from; i < to; i++)
+            r->refs[i] = r->items[i].prim | (i + 1 == to ? BB_LAST_BIT : 0);
+        return n;
+    }
+    const uint32_t count = cut_ranges(r, from, to, leaf, ends);
+    node->first = n + 1;
+    for (uint32_t c = 0; c < count; c++) {
+        const uint32_t child =
+            wide_reference_node(r, c > 0 ? ends[c - 1] : from, ends[c], leaf, depth + 1);
+        if (before != BB_NONE)
+            r->nodes[before].skip = child;
+        before = child;
+    }
+    return n;
+}
+
 /* ---- the comparison ---- */
 
-static void make_reference(reference *r, const bb_box *boxes, uint32_t count, uint32_t bits)
+/* leaf: most primitives of a leaf of a wide tree; 0: the tree is binary. */
+static void make_reference(reference *r, const bb_box *boxes, uint32_t count, uint32_t bits,
+                           uint32_t leaf)
 {
     float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
     for (uint32_t i = 0; i < count; i++)
@@ -115,7 +199,10 @@ static void make_reference(reference *r, const bb_box *boxes, uint32_t count, ui
     *r = (reference){.boxes = boxes, .items = items};
     r->nodes = calloc(2 * (size_t)count, sizeof *r->nodes);
     r->refs = calloc(count, sizeof *r->refs);
-    reference_node(r, 0, count, BB_NONE, 0);
+    if (leaf > 0)
+        set_skips(r, wide_reference_node(r, 0, count, leaf, 0), BB_NONE);
+    else
+        reference_node(r, 0, count, BB_NONE, 0);
     free(items);
 }
 
@@ -124,7 +211,7 @@ static void compare(bb_device *device, const char *builder, const bb_box *boxes,
 {
     box_build b;
     open_box_build(&b, device, builder, boxes, count, what);
-    if (b.preorder.info.depth != r->depth || b.preorder.info.node_count != 2 * count - 1 ||
+    if (b.preorder.info.depth != r->depth || b.preorder.info.node_count != r->node_count ||
         memcmp(b.preorder.nodes, r->nodes, b.preorder.info.node_count * sizeof(bb_node)) != 0 ||
         memcmp(b.preorder.refs, r->refs, count * sizeof(uint32_t)) != 0)
         fail_msg("%s, %s, %u boxes, seed %llu: not the tree of the definition", builder, what,
@@ -136,17 +223,21 @@ static void compare_all(const bb_box *boxes, uint32_t count, const char *what)
 {
     static const struct {
         const char *builder;
-        uint32_t bits;
+        uint32_t bits, leaf;
     } ways[] = {
-        {"lbvh", 10},
-        {"lbvh:link=karras", 10},
-        {"lbvh:bits=63", 21},
-        {"lbvh:bits=63,link=karras", 21},
+        {"lbvh", 10, 0},
+        {"lbvh:link=karras", 10, 0},
+        {"lbvh:bits=63", 21, 0},
+        {"lbvh:bits=63,link=karras", 21, 0},
+        {"lbvh:arity=8", 10, 4},
+        {"lbvh:arity=8,leaf=1", 10, 1},
+        {"lbvh:arity=8,leaf=64", 10, 64},
+        {"lbvh:arity=8,leaf=3,bits=63", 21, 3},
     };
     for (int form = first_form(); form < FORMS; form++) {
         for (size_t w = 0; w < sizeof ways / sizeof ways[0]; w++) {
             reference r;
-            make_reference(&r, boxes, count, ways[w].bits);
+            make_reference(&r, boxes, count, ways[w].bits, ways[w].leaf);
             compare(devices[form], ways[w].builder, boxes, count, &r, what);
             free(r.nodes);
             free(r.refs);

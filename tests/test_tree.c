@@ -172,8 +172,10 @@ static void test_trees_are_copied_as_they_are(void **state)
         from.info = info;
         from.duplicated = (run & 1) != 0;
         from.disjoint = (run & 2) != 0;
+        from.keep_nodes = (run & 4) != 0;
         to.duplicated = !from.duplicated;
         to.disjoint = !from.disjoint;
+        to.keep_nodes = !from.keep_nodes;
         ASSERT_OK(bb_tree_copy(&from, &to));
         ASSERT_OK(bb_tree_download(&to, NULL));
         assert_memory_equal(&to.info, &info, sizeof info);
@@ -181,6 +183,7 @@ static void test_trees_are_copied_as_they_are(void **state)
         assert_memory_equal(to.refs, host.refs, info.ref_count * sizeof(uint32_t));
         assert_int_equal(to.duplicated, from.duplicated);
         assert_int_equal(to.disjoint, from.disjoint);
+        assert_int_equal(to.keep_nodes, from.keep_nodes);
         ASSERT_OK(bb_tree_hash(&to, &b));
         assert_int_equal(a, b);
         bb_tree_release(&host);

@@ -1,5 +1,6 @@
 /* The wide layouts, read back and taken apart on the host: random trees of any arity, floats biased
  * to extremes; and made in all ways that there are. */
+#include "framework/builder/instance.h"
 #include "tests/wide_fixture.h"
 
 static void join(bb_box *box, const bb_box *other)
@@ -79,6 +80,7 @@ static bool read_link(wide *w, uint32_t link, uint32_t above, bb_box *box)
         return read_leaf(w, link & BB_INDEX_MASK, box);
     uint32_t count, children = 0;
     const uint32_t *links = links_of(w, link, &count);
+    w->inner++;
     uint32_t need = above + count - 1;
     w->stack_need = need > w->stack_need ? need : w->stack_need;
     for (uint32_t c = 0; c < w->width; c++) {
@@ -111,20 +113,37 @@ static bool read_link(wide *w, uint32_t link, uint32_t above, bb_box *box)
 }
 
 static void take_apart(const char *name, const bb_scene *scene, bb_tree *tree, uint32_t leaf,
-                       bool octants, bool greedy)
+                       const bb_layout_wish *wish)
 {
-    const bb_layout_wish wish = {.octants = octants, .greedy = greedy};
     uint32_t root;
-    wide w = read_wide(name, scene, tree, leaf, &wish, &root);
+    wide w = read_wide(name, scene, tree, leaf, wish, &root);
     /* records of one lane where no leaf needs more */
     assert_int_equal(
         w.lanes, leaf == 1 && tree->info.leaf_count == tree->info.ref_count ? 1 : BB_BLOCK_LANES);
     bb_box box = {.lo = {INFINITY, INFINITY, INFINITY}, .hi = {-INFINITY, -INFINITY, -INFINITY}};
     assert_true(read_link(&w, root, 0, &box));
-    assert_int_equal(w.stack_need, w.said_need);
+    if (wish->plan == BB_PLAN_NATIVE) { /* an upper bound */
+        assert_true(w.stack_need <= w.said_need);
+        if (leaf == 1)
+            assert_int_equal(w.inner, tree->info.node_count - tree->info.leaf_count);
+    } else
+        assert_int_equal(w.stack_need, w.said_need);
     for (uint32_t i = 0; i < scene->prim_count; i++)
         assert_int_equal(w.seen[i], 1);
     free_wide(&w);
+}
+
+static void refuse_native(const char *name, const bb_scene *scene, bb_tree *tree)
+{
+    bb_layout_maker maker;
+    bb_layout_data data = {0};
+    ASSERT_OK(bb_layout_maker_create(bb_layout_find(name), device, &maker));
+    maker.wish.plan = BB_PLAN_NATIVE;
+    assert_int_equal(bb_layout_maker_make(&maker, scene, tree, 1, BB_FORMAT_VERTICES, &data),
+                     BB_UNSUPPORTED);
+    assert_non_null(strstr(bb_message(), "leave out plan=native"));
+    bb_layout_data_release(&data);
+    bb_layout_maker_destroy(&maker);
 }
 
 static void wide_layouts_hold_the_tree(void **state)
@@ -152,8 +171,16 @@ static void wide_layouts_hold_the_tree(void **state)
                          &random, &tree);
         ASSERT_OK(bb_tree_upload(&tree, device, NULL));
         for (size_t i = 0; i < sizeof names / sizeof names[0]; i++)
-            for (uint32_t leaf = 1; leaf <= 8; leaf += 7)
-                take_apart(names[i], scene, &tree, leaf, run % 2 == 0, run / 2 % 2 == 0);
+            for (uint32_t leaf = 1; leaf <= 8; leaf += 7) {
+                bb_layout_wish wish = {.octants = run % 2 == 0,
+                                       .plan = run / 2 % 2 == 0 ? BB_PLAN_GREEDY : BB_PLAN_OPTIMAL};
+                take_apart(names[i], scene, &tree, leaf, &wish);
+                wish.plan = BB_PLAN_NATIVE;
+                if (tree.info.arity <= bb_layout_find(names[i])->width)
+                    take_apart(names[i], scene, &tree, leaf, &wish);
+                else
+                    refuse_native(names[i], scene, &tree);
+            }
         bb_tree_release(&tree);
         free_scene(scene);
     }
@@ -209,12 +236,57 @@ static void pairs_wait_where_there_is_no_room(void **state)
     make_comb(scene, PAIRS, &tree);
     ASSERT_OK(bb_tree_check(&tree, scene));
     ASSERT_OK(bb_tree_upload(&tree, device, NULL));
-    for (int greedy = 0; greedy < 2; greedy++) {
-        take_apart("wide8", scene, &tree, 1, false, greedy);
-        take_apart("wide4", scene, &tree, 1, false, greedy);
+    for (bb_plan plan = BB_PLAN_OPTIMAL; plan <= BB_PLAN_GREEDY; plan++) {
+        const bb_layout_wish wish = {.plan = plan};
+        take_apart("wide8", scene, &tree, 1, &wish);
+        take_apart("wide4", scene, &tree, 1, &wish);
     }
     bb_tree_release(&tree);
     free_scene(scene);
+}
+
+/* Where nobody names a plan, a tree says whether its nodes are kept: if there are places for them.
+ * Its leaves are kept with them. */
+static void expect_name(const char *layout, const bb_scene *scene, bb_tree *tree, bb_plan plan,
+                        const char *expected)
+{
+    bb_layout_maker maker;
+    bb_layout_data data = {0};
+    bool in_place;
+    ASSERT_OK(bb_layout_maker_create(bb_layout_find(layout), device, &maker));
+    maker.wish.plan = plan;
+    ASSERT_OK(bb_layout_maker_make(&maker, scene, tree, 3, BB_FORMAT_VERTICES, &data));
+    assert_string_equal(data.name, expected);
+    assert_int_equal(data.keeps_shape, strcmp(expected, "wide8:plan=native") == 0);
+    bb_tree_boxes_changed(tree);
+    ASSERT_OK(bb_layout_maker_follow(&maker, scene, tree, 3, BB_FORMAT_VERTICES, &data, &in_place));
+    assert_true(in_place);
+    assert_string_equal(data.name, expected);
+    bb_layout_data_release(&data);
+    bb_layout_maker_destroy(&maker);
+}
+
+static void a_tree_says_whether_its_nodes_are_kept(void **state)
+{
+    (void)state;
+    bb_scene *scene;
+    bb_instance instance;
+    ASSERT_OK(bb_scene_load("soup:n=300", &scene));
+    ASSERT_OK(bb_scene_upload(scene, device));
+    ASSERT_OK(bb_instance_create(device, "lbvh:arity=8", scene, 1, &instance));
+    ASSERT_OK(bb_instance_build(&instance, scene, false, NULL));
+    bb_tree *tree = &instance.tree;
+    assert_int_equal(tree->info.arity, 8);
+    expect_name("wide8", scene, tree, BB_PLAN_BY_TREE, "wide8:plan=native");
+    expect_name("wide4", scene, tree, BB_PLAN_BY_TREE, "wide4:leaf=3");
+    expect_name("cwbvh", scene, tree, BB_PLAN_BY_TREE, "cwbvh:leaf=3");
+    expect_name("pair", scene, tree, BB_PLAN_BY_TREE, "pair:leaf=3");
+    expect_name("wide8", scene, tree, BB_PLAN_OPTIMAL, "wide8:leaf=3");
+    expect_name("wide8", scene, tree, BB_PLAN_NATIVE, "wide8:leaf=3,plan=native");
+    tree->keep_nodes = false;
+    expect_name("wide8", scene, tree, BB_PLAN_BY_TREE, "wide8:leaf=3");
+    bb_instance_destroy(&instance);
+    bb_scene_free(scene);
 }
 
 /* ---- the ways to the same layout ---- */
@@ -239,7 +311,7 @@ static made make_on(int form, bb_scene *scene, const char *name, uint32_t arity,
     ASSERT_OK(bb_layout_maker_create(bb_layout_find(name), device, &maker));
     maker.wish =
         (bb_layout_wish){.octants = run % 2 == 1,
-                         .greedy = run / 2 % 2 == 1,
+                         .plan = run / 2 % 2 == 1 ? BB_PLAN_GREEDY : BB_PLAN_OPTIMAL,
                          .node_cost = run % 3 == 1 ? 0.5 : 0,
                          .kinds = run % 5 == 4 ? 1u << BB_TETRAHEDRON
                                                : 0}; /* blocks larger than the scene asks for */
@@ -312,6 +384,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(wide_layouts_hold_the_tree),
         cmocka_unit_test(pairs_wait_where_there_is_no_room),
+        cmocka_unit_test(a_tree_says_whether_its_nodes_are_kept),
     };
     const struct CMUnitTest of_all[] = {
         cmocka_unit_test(all_ways_make_one_layout),

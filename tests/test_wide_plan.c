@@ -76,9 +76,15 @@ static void a_kernel_asks_for_its_nodes(void **state)
     bb_spec spec;
     const bb_kernel *kernel;
     ASSERT_OK(bb_kernel_parse("stack8i:leaf=8,plan=greedy", &spec, &kernel));
-    assert_true(bb_kernel_wish(&spec).greedy);
+    assert_int_equal(bb_kernel_wish(&spec).plan, BB_PLAN_GREEDY);
     ASSERT_OK(bb_kernel_parse("short4:plan=optimal", &spec, &kernel));
-    assert_false(bb_kernel_wish(&spec).greedy);
+    assert_int_equal(bb_kernel_wish(&spec).plan, BB_PLAN_OPTIMAL);
+    ASSERT_OK(bb_kernel_parse("short4", &spec, &kernel));
+    assert_int_equal(bb_kernel_wish(&spec).plan, BB_PLAN_BY_TREE);
+    ASSERT_OK(bb_kernel_parse("stack8q:plan=native", &spec, &kernel));
+    assert_int_equal(bb_kernel_wish(&spec).plan, BB_PLAN_NATIVE);
+    assert_int_equal(bb_kernel_parse("cwbvh:plan=native", &spec, &kernel), BB_INVALID);
+    assert_non_null(strstr(bb_message(), "leave out plan=native"));
     assert_int_equal(bb_kernel_parse("stack4:plan=best", &spec, &kernel), BB_INVALID);
     assert_int_equal(bb_kernel_parse("stack:plan=optimal", &spec, &kernel), BB_INVALID);
     assert_non_null(strstr(bb_message(), "drop plan="));
@@ -140,7 +146,7 @@ static void cheap_nodes_keep_leaves_apart(void **state)
 static void nodes_are_those_of_the_plan(void **state)
 {
     (void)state;
-    const bb_layout_wish greedy = {.greedy = true}, optimal = {.greedy = false};
+    const bb_layout_wish greedy = {.plan = BB_PLAN_GREEDY}, optimal = {.plan = BB_PLAN_OPTIMAL};
     uint32_t better = 0;
     for (uint32_t run = 0; run < (small() ? 6u : 60u); run++) {
         bb_random random = bb_random_make(SEED + 4, run);

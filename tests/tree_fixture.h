@@ -238,6 +238,7 @@ static inline void copy_tree(const bb_tree *from, bb_tree *to)
     to->info = from->info;
     to->duplicated = from->duplicated;
     to->disjoint = from->disjoint;
+    to->keep_nodes = from->keep_nodes;
 }
 
 #endif

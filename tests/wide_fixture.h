@@ -22,9 +22,9 @@ typedef struct wide {
     bool quantised, octants;
     uint8_t *nodes;
     uint32_t *blocks;
-    uint32_t words, lanes; /* of a block */
-    uint32_t *seen;        /* per primitive */
-    uint32_t stack_need, said_need;
+    uint32_t words, lanes;                 /* of a block */
+    uint32_t *seen;                        /* per primitive */
+    uint32_t stack_need, said_need, inner; /* inner: nodes met */
 } wide;
 
 static inline const uint32_t *links_of(const wide *w, uint32_t node, uint32_t *count)
@@ -102,7 +102,8 @@ static inline wide read_wide(const char *name, const bb_scene *scene, bb_tree *t
         .said_need = data.stack_need,
     };
     *root = data.root;
-    assert_int_equal(strstr(data.name, "plan=greedy") != NULL, wish->greedy);
+    assert_int_equal(strstr(data.name, "plan=greedy") != NULL, wish->plan == BB_PLAN_GREEDY);
+    assert_int_equal(strstr(data.name, "plan=native") != NULL, wish->plan == BB_PLAN_NATIVE);
     bb_layout_data_release(&data);
     bb_layout_maker_destroy(&maker);
     return w;

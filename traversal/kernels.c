@@ -8,15 +8,17 @@
 
 const bb_option bb_kernel_common_options[] = {
     {"leaf", "1", NULL,
-     "collapse subtrees of up to this many references into a leaf where that lowers SAH"},
+     "collapse subtrees of up to this many references into a leaf where that lowers SAH; trees "
+     "whose "
+     "nodes are kept keep their leaves, too (see plan)"},
     {"group", "64", NULL, "work-group size, in rays"},
     /* no defaults, so that keys of earlier cells stay the same */
     {"stack", NULL, "auto|4|8|16|32|64|128|256|512|1024",
      "entries of the stack; auto, or not given: what the tree needs, rounded up, 16 at least"},
     {"kinds", NULL, "scene|all", "kinds of primitives compiled in; default: the scene's"},
-    {"plan", NULL, "optimal|greedy",
-     "nodes of more than two children: of least area in all, or by opening the largest child; "
-     "default: optimal"},
+    {"plan", NULL, "optimal|greedy|native",
+     "nodes of more than two children: of least area in all, by opening the largest child, or the "
+     "tree's own with its own leaves; default: native for trees made for it, else optimal"},
     {"node", NULL, NULL,
      "cost of a node for leaf=N, relative to a block of primitives; default: "
      "1.2 per pair of children"},
@@ -73,6 +75,9 @@ bb_status bb_kernel_validate(const bb_kernel *kernel, const bb_spec *spec)
     if (layout->width == 2 && bb_spec_value(spec, NULL, "plan") != NULL)
         return bb_fail(BB_INVALID,
                        "%s has no nodes of more than two children to plan: drop plan=", what);
+    if (!layout->keeps_nodes && bb_spec_is(spec, NULL, "plan", "native"))
+        return bb_fail(BB_INVALID,
+                       "%s: compressed nodes are made in other ways: leave out plan=native", what);
     uint64_t leaf;
     double node;
     BB_TRY(bb_spec_u64(spec, all, "leaf", 1, BB_LEAF_MAX, &leaf));
@@ -96,14 +101,17 @@ bb_layout_wish bb_kernel_wish(const bb_spec *spec)
     return (bb_layout_wish){
         .kinds = bb_spec_is(spec, NULL, "kinds", "all") ? BB_ALL_KINDS : 0,
         .octants = bb_spec_is(spec, NULL, "order", "octant"),
-        .greedy = bb_spec_is(spec, NULL, "plan", "greedy"),
+        .plan = bb_spec_is(spec, NULL, "plan", "optimal")  ? BB_PLAN_OPTIMAL
+                : bb_spec_is(spec, NULL, "plan", "greedy") ? BB_PLAN_GREEDY
+                : bb_spec_is(spec, NULL, "plan", "native") ? BB_PLAN_NATIVE
+                                                           : BB_PLAN_BY_TREE,
         .node_cost = node_cost,
     };
 }
 
 bool bb_layout_wish_is(const bb_layout_wish *a, const bb_layout_wish *b)
 {
-    return a->kinds == b->kinds && a->octants == b->octants && a->greedy == b->greedy &&
+    return a->kinds == b->kinds && a->octants == b->octants && a->plan == b->plan &&
            a->node_cost == b->node_cost;
 }
 

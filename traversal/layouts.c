@@ -40,8 +40,8 @@ void bb_layout_maker_destroy(bb_layout_maker *maker)
 }
 
 /* Sets the name, as recorded: lists what differs from the tree's own leaves and vertices. */
-static void name(const bb_layout_maker *maker, uint32_t leaf, uint32_t format, bool more_kinds,
-                 bb_layout_data *data)
+static void name(const bb_layout_maker *maker, bb_plan plan, uint32_t leaf, uint32_t format,
+                 bool more_kinds, bb_layout_data *data)
 {
     const size_t capacity = sizeof data->name;
     char leaves[24], node[24];
@@ -54,7 +54,8 @@ static void name(const bb_layout_maker *maker, uint32_t leaf, uint32_t format, b
                  {format == BB_FORMAT_AFFINE, "triangles=affine"},
                  {more_kinds, "kinds=all"},
                  {maker->wish.octants, "places=octant"},
-                 {maker->wish.greedy, "plan=greedy"},
+                 {plan == BB_PLAN_GREEDY, "plan=greedy"},
+                 {plan == BB_PLAN_NATIVE, "plan=native"},
                  {leaf > 1 && maker->wish.node_cost > 0, node}};
     int length = snprintf(data->name, capacity, "%s", maker->layout->name);
     char separator = ':';
@@ -89,12 +90,26 @@ static bb_status find_array(const bb_layout *layout, const bb_tree *tree, const 
     return BB_OK;
 }
 
+/* Returns the plan for this tree. */
+static bb_plan plan_of(const bb_layout_maker *maker, const bb_tree *tree)
+{
+    const bb_layout *layout = maker->layout;
+    if (maker->wish.plan != BB_PLAN_BY_TREE)
+        return maker->wish.plan;
+    return tree->keep_nodes && layout->keeps_nodes && tree->info.arity <= layout->width
+               ? BB_PLAN_NATIVE
+               : BB_PLAN_OPTIMAL;
+}
+
 /* Returns whether leaves are collapsed, or large ones divided, before the layout is made. */
-static bool collapses_first(const bb_layout_maker *maker, const bb_tree *tree, uint32_t leaf)
+static bool collapses_first(const bb_layout_maker *maker, const bb_tree *tree, bb_plan plan,
+                            uint32_t leaf)
 {
     const bb_layout *layout = maker->layout;
     if (layout->leaf_max > 0 && tree->info.leaf_count != tree->info.ref_count)
         return true;
+    if (plan == BB_PLAN_NATIVE)
+        return leaf > 1;
     return leaf > 1 && !(layout->collapses != NULL && layout->collapses(maker->self, tree));
 }
 
@@ -108,18 +123,20 @@ static float traversal_of(const bb_layout_maker *maker)
 
 /* The part that is timed. *traced: the tree with the layout's leaves: the collapsed one, or
  * `tree`. */
-static bb_status make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tree, uint32_t leaf,
-                      bool same_links, bb_layout_data *data, bb_tree **traced)
+static bb_status make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tree, bb_plan plan,
+                      uint32_t leaf, bool same_links, bb_layout_data *data, bb_tree **traced)
 {
     const bb_layout *layout = maker->layout;
     bb_layout_source source = {.scene = scene,
                                .kinds = data->kinds,
                                .octants = maker->wish.octants,
-                               .greedy = maker->wish.greedy,
+                               .plan = plan,
                                .traversal = traversal_of(maker),
-                               .leaf = collapses_first(maker, tree, leaf) ? 0 : leaf,
+                               .leaf = collapses_first(maker, tree, plan, leaf) ? 0 : leaf,
                                .same_links = same_links};
     *traced = tree;
+    if (plan == BB_PLAN_NATIVE && !layout->keeps_nodes)
+        return bb_fail(BB_UNSUPPORTED, "layout %s has no plan=native: leave it out", layout->name);
     if (leaf > bb_layout_leaf_max(layout))
         return bb_fail(BB_INVALID, "layout %s takes leaf=%u at most, not leaf=%u", layout->name,
                        bb_layout_leaf_max(layout), leaf);
@@ -128,7 +145,7 @@ static bb_status make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tr
                        "layout %s reads the side array '%s', which leaf collapse leaves behind: "
                        "take leaf=1",
                        layout->name, layout->array.name);
-    if (collapses_first(maker, tree, leaf))
+    if (collapses_first(maker, tree, plan, leaf))
         BB_TRY(same_links
                    ? bb_collapse_again(maker->collapse, tree, traced)
                    : bb_collapse_make(maker->collapse, tree, scene->scale, leaf, source.traversal,
@@ -143,8 +160,12 @@ static bb_status make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tr
 static bb_status make_timed(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tree,
                             uint32_t leaf, uint32_t format, bool same_links, bb_layout_data *data)
 {
+    const bb_plan plan = plan_of(maker, tree);
+    const uint32_t asked = leaf;
+    if (plan != maker->wish.plan && plan == BB_PLAN_NATIVE)
+        leaf = 1; /* the tree's leaves are kept, too */
     maker->links = 0;
-    if (collapses_first(maker, tree, leaf) && maker->collapse == NULL)
+    if (collapses_first(maker, tree, plan, leaf) && maker->collapse == NULL)
         BB_TRY(bb_collapse_create(maker->device, &maker->account, &maker->collapse));
     if (tree->duplicated && maker->reach == NULL)
         BB_TRY(bb_reach_create(maker->device, &maker->account, &maker->reach));
@@ -158,7 +179,7 @@ static bb_status make_timed(bb_layout_maker *maker, const bb_scene *scene, bb_tr
     bb_tree *traced;
     bb_stopwatch watch;
     BB_TRY(bb_stopwatch_start(maker->device, &watch));
-    bb_status status = make(maker, scene, tree, leaf, same_links, data, &traced);
+    bb_status status = make(maker, scene, tree, plan, leaf, same_links, data, &traced);
     BB_TRY(bb_stopwatch_stop(&watch, status, &data->timing));
     data->sah = NAN;
     if (leaf > 1) {
@@ -168,10 +189,10 @@ static bb_status make_timed(bb_layout_maker *maker, const bb_scene *scene, bb_tr
         }
         data->keeps_shape = false;
     }
-    name(maker, leaf, scene->prims[BB_TRIANGLE].count > 0 ? data->format : BB_FORMAT_VERTICES,
+    name(maker, plan, leaf, scene->prims[BB_TRIANGLE].count > 0 ? data->format : BB_FORMAT_VERTICES,
          data->kinds != scene->kinds, data);
     maker->links = tree->links;
-    maker->leaf = leaf;
+    maker->leaf = asked;
     return BB_OK;
 }
 

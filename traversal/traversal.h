@@ -20,11 +20,19 @@ enum {
         1 << 14, /* levels: 4 KiB of private memory per ray with 2 children, 8 KiB with 8 */
 };
 
+/* How nodes of more than two children are chosen. */
+typedef enum bb_plan {
+    BB_PLAN_BY_TREE, /* native if it says so (bb_tree.keep_nodes) and has the arity, else optimal */
+    BB_PLAN_OPTIMAL, /* of least area in all */
+    BB_PLAN_GREEDY,  /* by opening the largest box */
+    BB_PLAN_NATIVE,  /* the tree's own */
+} bb_plan;
+
 /* A kernel's requests to its layout, in addition to those of the scene. */
 typedef struct bb_layout_wish {
-    uint32_t kinds;   /* kinds of primitives that records also need room for */
-    bool octants;     /* places the children of nodes of 8 by their octant */
-    bool greedy;      /* opens wide nodes by the largest box, not by the plan of least area */
+    uint32_t kinds; /* kinds of primitives that records also need room for */
+    bool octants;   /* places the children of nodes of 8 by their octant */
+    bb_plan plan;
     double node_cost; /* for leaf collapse, in blocks of primitives; 0: bb_collapse_node_cost() */
 } bb_layout_wish;
 
@@ -37,7 +45,7 @@ typedef struct bb_layout_source {
                       * contains its primitives whole, so its own longest side is used */
     uint32_t kinds;  /* kinds of primitives that records have room for: at least the scene's */
     bool octants;    /* bb_layout_wish */
-    bool greedy;     /* bb_layout_wish */
+    bb_plan plan;    /* not BB_PLAN_BY_TREE */
     float traversal; /* cost of a pair of children in leaf collapse */
     uint32_t leaf;   /* most references of leaves that make() collapses; 0: already done */
     const bb_buffer *array; /* the side array that the layout reads; NULL if none */
@@ -59,7 +67,7 @@ typedef struct bb_layout_data {
     uint32_t lanes;      /* primitives side by side in a record: the layout's `block`, or 1 */
     float scale;         /* the scene's */
     bb_box bounds;       /* the scene's, in its own units */
-    uint32_t stack_need; /* stack entries that an ordered traversal needs */
+    uint32_t stack_need; /* stack entries that an ordered traversal needs; native nodes: at most */
     uint32_t levels;     /* inner nodes on the longest path, as the kernel counts; an upper bound */
     uint32_t leaves;     /* of the tree, for layouts of which kernels run per leaf */
     uint64_t bytes;
@@ -86,6 +94,7 @@ typedef struct bb_layout {
     uint32_t width;    /* most children of a node; 2 if unlimited. Required */
     uint32_t block;    /* number of primitives that its kernels test at once. Required */
     uint32_t leaf_max; /* most references of a leaf: larger ones are divided; 0: unlimited */
+    bool keeps_nodes;  /* has BB_PLAN_NATIVE, for trees of up to `width` children */
     bb_tet_search_way search;
     /* The side array of the tree that make() reads (bb_tree_reserve_array()): trees without an
      * array of this name and format are refused. Optional. */

@@ -5,6 +5,7 @@
 #include "traversal/cwbvh.h"
 #include "traversal/leaf_prims.h"
 #include "traversal/wide_direct.h"
+#include "traversal/wide_native.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -38,6 +39,7 @@ typedef struct wide_layout {
     bb_buffer index;            /* u32 per pair, and the total: its wide node */
     bb_buffer first;            /* u32 per reference, and the total: its leaf's first block */
     bb_wide_follow follow;
+    bb_wide_native native;     /* for plan=native; zeroed for compressed nodes */
     bb_wide_direct direct;     /* for trees that it accepts; zeroed in the form for GPUs */
     bb_cwbvh_maker cwbvh;      /* for compressed nodes; otherwise zeroed */
     bb_leaf_prims *leaf_prims; /* for leaves of one primitive each */
@@ -58,6 +60,7 @@ void bb_wide_destroy(void *opaque)
         bb_buffer_release(buffers[i]);
     bb_pairs_destroy(&self->pairs);
     bb_wide_follow_release(&self->follow);
+    bb_wide_native_release(&self->native);
     bb_wide_direct_release(&self->direct);
     bb_cwbvh_release(&self->cwbvh);
     bb_leaf_prims_destroy(self->leaf_prims);
@@ -96,6 +99,11 @@ bb_status bb_wide_create(bb_device *device, bb_account *account, const char *nam
              width, form == BB_WIDE_QUANTISED, self->compressed ? " -DBB_COMPRESSED=1" : "");
     BB_TRY(bb_pairs_create(device, account, &self->pairs));
     BB_TRY(bb_leaf_prims_create(device, account, &self->leaf_prims));
+    if (!self->compressed)
+        self->native = (bb_wide_native){.device = device,
+                                        .account = account,
+                                        .primitives = self->pairs.primitives,
+                                        .defines = self->defines};
     if (self->compressed)
         BB_TRY(
             bb_cwbvh_create(device, account, self->pairs.primitives, self->defines, &self->cwbvh));
@@ -188,7 +196,8 @@ static bb_status open_levels(wide_layout *self, const bb_layout_source *source, 
         BB_TRY(reserve(self, pair_count * sizeof(cl_uint2), "wide: level", &self->levels[i]));
     BB_TRY(reserve(self, state_bytes, "wide: levels", &self->state));
     BB_TRY(bb_buffer_fill(&self->state, state_bytes, 0));
-    const uint32_t start[2] = {root, 0}, one = 1, deeper = DEEPER, greedy = source->greedy;
+    const uint32_t start[2] = {root, 0}, one = 1, deeper = DEEPER,
+                   greedy = source->plan == BB_PLAN_GREEDY;
     BB_TRY(bb_buffer_write(&self->levels[0], 0, sizeof start, start));
     BB_TRY(bb_buffer_write(&self->state, sizeof one, sizeof one, &one));
     uint32_t items = pair_count < LEVEL_ITEMS ? pair_count : LEVEL_ITEMS;
@@ -267,7 +276,7 @@ static bb_status number_nodes(wide_layout *self, const bb_layout_source *source,
     size_t marks = ((size_t)pair_count + 1) * sizeof(uint32_t);
     BB_TRY(reserve(self, marks, "wide: numbering", &self->index));
     BB_TRY(reserve(self, pair_count * sizeof(bb_wide_plan), "wide: plans", &self->plans));
-    BB_TRY(source->greedy
+    BB_TRY(source->plan == BB_PLAN_GREEDY
                ? bb_buffer_fill(&self->index, marks, 0)
                : make_plans(self, pair_count, root, bb_pairs_stack_need(&source->tree->info)));
     BB_TRY(open_levels(self, source, pair_count, root));
@@ -373,11 +382,44 @@ static bb_status make_direct(wide_layout *self, const bb_layout_source *source,
     return bb_wide_direct_nodes(direct, source, &data->buffers[0], &self->follow.sides);
 }
 
+/* Makes the layout of the tree's own nodes: layout_wide_native.cl. */
+static bb_status make_native(wide_layout *self, const bb_layout_source *source,
+                             bb_layout_data *data)
+{
+    bb_wide_native *native = &self->native;
+    const bb_tree_info *info = &source->tree->info;
+    const bool single = has_records(source);
+    if (single)
+        BB_TRY(make_blocks(self, source, data));
+    BB_TRY(bb_wide_native_number(native, source, self->follow.width, single, data->format,
+                                 &data->buffers[1], &data->bytes));
+    data->root = native->root;
+    data->levels = info->depth;
+    data->stack_need = info->depth * (info->arity - (info->arity > 0)); /* at most */
+    data->keeps_shape = true;
+    const size_t bytes = native->node_count * self->node_bytes;
+    BB_TRY(reserve(self, bytes > 0 ? bytes : self->node_bytes, "wide: nodes", &data->buffers[0]));
+    data->bytes += bytes;
+    if (native->node_count == 0) /* the root is a leaf */
+        return BB_OK;
+    if (!source->same_links) {
+        BB_TRY(bb_wide_follow_reserve(&self->follow, native->node_count));
+        BB_TRY(
+            bb_wide_native_nodes(native, source, single, &data->buffers[0], &self->follow.sides));
+        if (source->reach == NULL)
+            return BB_OK;
+    }
+    return bb_wide_follow_boxes(&self->follow, NULL, self->defines, source, native->node_count,
+                                &data->buffers[0]);
+}
+
 bb_status bb_wide_make(void *opaque, const bb_layout_source *source, bb_layout_data *data)
 {
     wide_layout *self = opaque;
     data->buffer_count = 2;
     data->keeps_shape = false;
+    if (source->plan == BB_PLAN_NATIVE)
+        return make_native(self, source, data);
     if (!self->compressed && source->leaf > 0 && bb_wide_direct_takes(self->device, source->tree))
         return make_direct(self, source, data);
     if (self->compressed) {

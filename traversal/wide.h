@@ -23,7 +23,7 @@ void bb_wide_destroy(void *self); /* NULL is allowed */
 
 /* Members of such a layout's struct after name and summary; create() is in its own file. */
 #define BB_WIDE_LAYOUT(places)                                                                     \
-    .width = (places), .block = BB_BLOCK_LANES, .create = create, .make = bb_wide_make,            \
-    .collapses = bb_wide_collapses, .destroy = bb_wide_destroy
+    .width = (places), .block = BB_BLOCK_LANES, .keeps_nodes = true, .create = create,             \
+    .make = bb_wide_make, .collapses = bb_wide_collapses, .destroy = bb_wide_destroy
 
 #endif

@@ -96,7 +96,8 @@ static bb_status mark(bb_wide_direct *d, const bb_layout_source *source)
           traversal = source->traversal;
     uint32_t leaf = source->leaf, collapsed = leaf > 1, most = PIECES_MAX,
              share = info->ref_count / (d->device->compute_units * PIECES_PER_UNIT),
-             one_kind = (scene->kinds & (scene->kinds - 1)) == 0, greedy = source->greedy;
+             one_kind = (scene->kinds & (scene->kinds - 1)) == 0,
+             greedy = source->plan == BB_PLAN_GREEDY;
     BB_TRY(bb_buffer_fill(&d->marks, (size_t)words_of(tree) * BB_DIRECT_WORD, 0));
     BB_TRY(bb_launch(d->device, d->cut, 1, 1, BB_MEM(tree->d_nodes), BB_VALUE(info->root),
                      BB_VALUE(info->ref_count), BB_VALUE(share), BB_VALUE(most), BB_MEM(d->pieces),

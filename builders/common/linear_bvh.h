@@ -1,4 +1,5 @@
-/* LBVH with any code: codes, sort, radix tree; one primitive per leaf, on the device.
+/* LBVH with any code: codes, sort, radix tree; one primitive per leaf, on the device. Or, if asked
+ * for, a wide tree straight from the codes (wide_tree.h).
  *
  * Lauterbach et al. 2009 (the idea), Karras 2012 (the tree; the index breaks ties between equal
  * codes), Apetrei 2014 (linking and boxes in one bottom-up pass). Builders that differ only in
@@ -21,7 +22,17 @@ extern "C" {
         "link", "apetrei", "apetrei|karras", "how nodes are linked; the tree is the same"          \
     }
 
-/* Hooks of a builder whose options have BB_CODE_OPTIONS, BB_LINK_OPTION and BB_UPDATE_OPTION. */
+/* Options for the builder's table; without them its trees are binary. They have no defaults, so
+ * that cells keep their keys. */
+#define BB_ARITY_OPTIONS                                                                           \
+    {"arity", NULL, "2|8",                                                                         \
+     "most children of a node; 8: made straight from the codes, for plan=native; default: 2"},     \
+    {                                                                                              \
+        "leaf", NULL, NULL, "with arity=8: most primitives of a leaf, 1 to 64; default: 4"         \
+    }
+
+/* Hooks of a builder whose options have BB_CODE_OPTIONS, BB_LINK_OPTION and BB_UPDATE_OPTION, and
+ * possibly BB_ARITY_OPTIONS. */
 bb_status bb_linear_create(const bb_builder_context *context, void **self);
 bb_status bb_linear_prepare(void *self, const bb_scene *scene, bb_tree *tree);
 bb_status bb_linear_build(void *self, const bb_scene *scene, const bb_tree *input, bb_tree *tree,

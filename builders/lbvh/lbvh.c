@@ -1,4 +1,5 @@
-/* LBVH: the binary radix tree over Morton codes of the primitives' centroids, on the device.
+/* LBVH: the binary radix tree over Morton codes of the primitives' centroids, on the device; or a
+ * tree of 8 children straight from the codes, without a binary one.
  *
  * Lauterbach et al. 2009; Karras 2012; Apetrei 2014. Shares all its code with the other builders
  * that sort by a code: builders/common/linear_bvh.h.
@@ -6,10 +7,7 @@
 #include "builders/common/linear_bvh.h"
 
 static const bb_option options[] = {
-    BB_CODE_OPTIONS("mc32"),
-    BB_LINK_OPTION,
-    BB_UPDATE_OPTION,
-    {.name = NULL},
+    BB_CODE_OPTIONS("mc32"), BB_LINK_OPTION, BB_ARITY_OPTIONS, BB_UPDATE_OPTION, {.name = NULL},
 };
 
 static const bb_variants variants[] = {

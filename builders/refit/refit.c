@@ -172,6 +172,7 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
     tree->info = *info;
     tree->duplicated = input->duplicated;
     tree->disjoint = input->disjoint;
+    tree->keep_nodes = input->keep_nodes;
     self->updates = 0;
     if (keeps_books(self)) {
         BB_TRY(bb_phase(phases, "plan"));

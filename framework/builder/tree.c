@@ -108,6 +108,7 @@ bb_status bb_tree_copy(const bb_tree *from, bb_tree *to)
     BB_TRY(bb_buffer_copy(&from->d_refs, &to->d_refs, info->ref_count * sizeof(uint32_t)));
     to->duplicated = from->duplicated;
     to->disjoint = from->disjoint;
+    to->keep_nodes = from->keep_nodes;
     return bb_buffer_write(&to->d_info, 0, sizeof *info, info);
 }
 

@@ -40,6 +40,9 @@ typedef struct bb_tree {
     bb_tree_info info;        /* on the device: valid after bb_tree_fetch_info() */
     bool duplicated;          /* a primitive may be referenced more than once */
     bool disjoint;            /* boxes of siblings share no volume */
+    /* Wide layouts of at least its arity take nodes and leaves as they are, unless a kernel's
+     * `plan` says otherwise. For builders that make wide nodes on purpose. */
+    bool keep_nodes;
 
     bool copied; /* the other side holds an up-to-date copy */
     /* Changes whenever nodes or references are linked anew: two states with the same number differ

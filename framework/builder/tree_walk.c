@@ -252,6 +252,7 @@ bb_status bb_tree_preorder(const bb_tree *tree, bb_tree *out)
     out->info.root = 0;
     out->duplicated = tree->duplicated;
     out->disjoint = tree->disjoint;
+    out->keep_nodes = tree->keep_nodes;
     status = copy_arrays(tree, &walk, out);
 out:
     bb_host_free(end);

@@ -22,6 +22,7 @@ commands() {
         done
         echo "$form/arrays check --form $form --builder lobvh:levels=3,chains=keep,octree=arrays" \
             "--scene cube --side 6 --quiet"
+        echo "$form/wide check --form $form --builder lbvh:arity=8,lbvh:arity=8,bits=63 --scene cube --side 6 --quiet"
         echo "$form/more check --form $form --builder presplit:method=priority+lbvh" \
             "--scene soup:n=50 --side 6 --quiet"
         trace="--form $form --builder lbvh --rays primary,ao --size 8x8 --max-rays 64 --repeats 1"
