@@ -97,6 +97,39 @@ static void accounts_keep_book(void **state)
 }
 
 /* Host memory and the buffers of a device that shares it are one account, whoever books them. */
+/* A block that shrinks keeps its beginning and its account; without room for both it stays. */
+static void blocks_shrink(void **state)
+{
+    (void)state;
+    bb_account account = {0, 0};
+    bb_account *all = bb_host_account();
+    const uint64_t before = all->bytes, most = bb_host_most();
+    unsigned char *block = NULL;
+    ASSERT_OK(bb_host_alloc(&account, 10000, "block", &block));
+    for (uint32_t i = 0; i < 10000; i++)
+        block[i] = (unsigned char)(i % 251);
+    const unsigned char *old = block;
+    const uint64_t room = most - all->bytes;
+    bb_host_book(room);
+    bb_host_shrink(&block, 77);
+    assert_ptr_equal(block, old);
+    assert_int_equal(account.bytes, 10000);
+    assert_int_equal(bb_host_missing(), 0);
+    bb_host_unbook(room);
+    bb_host_shrink(&block, 77);
+    assert_int_equal(account.bytes, 77);
+    assert_int_equal(all->bytes, before + 77);
+    assert_int_equal((uintptr_t)block % 64, 0);
+    for (uint32_t i = 0; i < 77; i++)
+        assert_int_equal(block[i], i % 251);
+    unsigned char sum = 0; /* 16 bytes more may be read */
+    for (uint32_t i = 77; i < 77 + 16; i++)
+        sum = (unsigned char)(sum + *(volatile unsigned char *)&block[i]);
+    (void)sum;
+    bb_host_free(block);
+    assert_int_equal(account.bytes, 0);
+}
+
 static void one_account_has_all(void **state)
 {
     (void)state;
@@ -435,6 +468,7 @@ int main(void)
         cmocka_unit_test(structs_have_one_size_everywhere),
         cmocka_unit_test(contraction_is_off),
         cmocka_unit_test(accounts_keep_book),
+        cmocka_unit_test(blocks_shrink),
         cmocka_unit_test(one_account_has_all),
         cmocka_unit_test(refuses_before_the_driver_is_asked),
         cmocka_unit_test(unknown_devices_are_refused),

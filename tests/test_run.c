@@ -173,7 +173,7 @@ static void references_give_way(void **state)
 {
     (void)state;
     const outcome *o =
-        run_with("SLURM_JOB_ID=7 SLURM_CPUS_PER_TASK=2 SLURM_MEM_PER_NODE=110",
+        run_with("SLURM_JOB_ID=7 SLURM_CPUS_PER_TASK=2 SLURM_MEM_PER_NODE=90",
                  "run --scene soup:n=100000 --builder lbvh,hploc,ploc --kernel stack "
                  "--rays random --max-rays 1000 --size 32x32 --repeats 1 --no-pictures "
                  "--charts no --table --quiet --out narrow");

@@ -4,6 +4,7 @@
 
 #include "framework/base/limits.h"
 
+#include <assert.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -77,12 +78,17 @@ uint64_t bb_host_most(void)
     return limit - limit / 16;
 }
 
+static uint64_t room_beside(uint64_t in_use)
+{
+    const uint64_t most = bb_host_most();
+    return in_use < most ? most - in_use : 0;
+}
+
 /* Drivers and allocators overcommit: the system would not refuse. */
 bb_status bb_host_has_room(uint64_t bytes, const char *what)
 {
-    const uint64_t most = bb_host_most();
     const uint64_t in_use = __atomic_load_n(&all.bytes, __ATOMIC_RELAXED);
-    const uint64_t room = in_use < most ? most - in_use : 0;
+    const uint64_t room = room_beside(in_use);
     if (bytes <= room)
         return BB_OK;
     uint64_t before = missing;
@@ -107,6 +113,13 @@ bool bb_host_follow(int64_t bytes, bool taken, const char *what)
     return true;
 }
 
+/* Returns what the system is asked for: whole lines, and room to read beyond the last element. */
+static size_t whole_block(size_t bytes)
+{
+    enum { BEYOND = 16 };
+    return (bytes + BEYOND + sizeof(header) + 63) / 64 * 64;
+}
+
 bb_status bb_host_alloc(bb_account *account, size_t bytes, const char *what, void *out)
 {
     void *old;
@@ -116,8 +129,7 @@ bb_status bb_host_alloc(bb_account *account, size_t bytes, const char *what, voi
     memcpy(out, &block, sizeof block);
 
     BB_TRY(bb_host_has_room(bytes, what));
-    size_t whole = (bytes + sizeof(header) + 63) / 64 * 64;
-    header *head = aligned_alloc(64, whole);
+    header *head = aligned_alloc(64, whole_block(bytes));
     if (head == NULL)
         return bb_fail(BB_REFUSED, "%s needs %zu bytes, which the host refused", what, bytes);
     head->bytes = bytes;
@@ -127,6 +139,20 @@ bb_status bb_host_alloc(bb_account *account, size_t bytes, const char *what, voi
     block = head + 1;
     memcpy(out, &block, sizeof block);
     return BB_OK;
+}
+
+void bb_host_shrink(void *out, size_t bytes)
+{
+    void *old, *block = NULL;
+    memcpy(&old, out, sizeof old);
+    const header *head = (const header *)old - 1;
+    assert(bytes <= head->bytes);
+    if (bytes > room_beside(all.bytes) ||
+        bb_host_alloc(head->account, bytes, "a smaller block", &block) != BB_OK)
+        return;
+    memcpy(block, old, bytes);
+    bb_host_free(old);
+    memcpy(out, &block, sizeof block);
 }
 
 void bb_host_free(void *pointer)

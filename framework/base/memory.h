@@ -28,11 +28,15 @@ void bb_account_mark(bb_account *account);
 void bb_account_add(bb_account *account, uint64_t bytes);
 void bb_account_subtract(bb_account *account, uint64_t bytes);
 
-/* Allocates host memory, 64-byte aligned and not cleared; a size of 0 gives a valid pointer.
+/* Allocates host memory, 64-byte aligned and not cleared; a size of 0 gives a valid pointer. The 16
+ * bytes after it may be read, since vectors reach beyond the last element of an array.
  * BB_REFUSED names `what` and the bytes if the host does not have that much. `*out` must be NULL or
  * come from here: it is freed and replaced, so that the same call creates and resizes scratch
  * memory. `account` may be NULL. */
 bb_status bb_host_alloc(bb_account *account, size_t bytes, const char *what, void *out);
+/* Moves the first `bytes` of a block to one of that size, and frees it. Without room for both the
+ * block stays as it is. `out` as above. */
+void bb_host_shrink(void *out, size_t bytes);
 void bb_host_free(void *pointer); /* NULL is allowed; also books the block off its account */
 
 /* Returns the most bytes that a scene, or the files it is read from, may take on the host: three

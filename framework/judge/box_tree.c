@@ -212,6 +212,7 @@ bb_status bb_box_tree_create(const bb_box *boxes, uint32_t count, bb_box_tree **
     for (uint32_t i = 0; i < count; i++)
         tree->refs[i] = i;
     build(tree, count);
+    bb_host_shrink(&tree->nodes, tree->node_count * sizeof *tree->nodes);
     *out = tree;
     return BB_OK;
 }

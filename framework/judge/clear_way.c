@@ -65,9 +65,9 @@ static uint32_t open_node(const bb_box_node *nodes, uint32_t root, uint32_t chil
     return count;
 }
 
-/* Makes wide nodes in the order in which their binary roots are found; roots[i] is that of node
- * i. */
-static void collapse(bb_way *way, const bb_box_node *nodes, uint32_t *roots)
+/* Makes wide nodes in the order in which their binary roots are found; roots[i] is that of node i.
+ * Returns their number. */
+static uint32_t collapse(bb_way *way, const bb_box_node *nodes, uint32_t *roots)
 {
     uint32_t made = 1;
     roots[0] = 0;
@@ -88,6 +88,7 @@ static void collapse(bb_way *way, const bb_box_node *nodes, uint32_t *roots)
             }
         }
     }
+    return made;
 }
 
 bb_status bb_way_create(const bb_scene *scene, const bb_box_tree *tree, bb_way **out)
@@ -108,7 +109,7 @@ bb_status bb_way_create(const bb_scene *scene, const bb_box_tree *tree, bb_way *
     if (status == BB_OK)
         status = bb_host_alloc(NULL, most * sizeof *roots, "the arbiter's numbering", &roots);
     if (status == BB_OK)
-        collapse(way, nodes, roots);
+        bb_host_shrink(&way->nodes, collapse(way, nodes, roots) * sizeof *way->nodes);
     bb_host_free(roots);
     if (status == BB_OK)
         *out = way;

@@ -103,15 +103,12 @@ static void attach(bb_embree *embree, RTCGeometry geometry, unsigned int id, uin
     embree->geometries = id + 1;
 }
 
-/* Copies the vertices, since Embree reads 16 bytes at the last one; shares the other arrays. */
+/* Shares all arrays: bb_host_alloc() lets Embree read 16 bytes at the last vertex. */
 static RTCGeometry triangles_of(bb_embree *embree, const bb_scene *scene)
 {
     RTCGeometry triangles = rtcNewGeometry(embree->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    float *vertices =
-        rtcSetNewGeometryBuffer(triangles, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                3 * sizeof(float), scene->vertex_count);
-    if (vertices != NULL)
-        memcpy(vertices, scene->vertices, 3 * sizeof(float) * (size_t)scene->vertex_count);
+    rtcSetSharedGeometryBuffer(triangles, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                               scene->vertices, 0, 3 * sizeof(float), scene->vertex_count);
     rtcSetSharedGeometryBuffer(triangles, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                bb_scene_indices(scene), 0, 3 * sizeof(uint32_t),
                                scene->prims[BB_TRIANGLE].count);
@@ -238,10 +235,12 @@ static enum RTCBuildQuality quality_of(const bb_spec *spec)
 static bb_status build(bb_embree *embree, const bb_scene *scene, const bb_spec *spec)
 {
     enum RTCBuildQuality quality = quality_of(spec);
-    bool fast = spec != NULL && bb_spec_is(spec, bb_embree_options, "mode", "fast");
+    const bool oracle = spec == NULL, /* which saves memory, not time */
+        fast = !oracle && bb_spec_is(spec, bb_embree_options, "mode", "fast");
     embree->scene = rtcNewScene(embree->device);
     BB_TRY(check(embree, "creation"));
-    rtcSetSceneFlags(embree->scene, fast ? RTC_SCENE_FLAG_NONE : RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneFlags(embree->scene, (fast ? RTC_SCENE_FLAG_NONE : RTC_SCENE_FLAG_ROBUST) |
+                                        (oracle ? RTC_SCENE_FLAG_COMPACT : RTC_SCENE_FLAG_NONE));
     rtcSetSceneBuildQuality(embree->scene, quality);
     rtcSetSceneProgressMonitorFunction(embree->scene, goes_on, NULL);
     add_geometry(embree, scene, quality);

@@ -11,7 +11,8 @@
 
 typedef struct bb_oracle bb_oracle;
 
-/* Makes an oracle: Embree (medium, robust) over the scene, which must outlive it. */
+/* Makes an oracle: Embree (medium, robust, compact) over the scene, which must outlive
+ * it. */
 bb_status bb_oracle_create(const bb_scene *scene, uint32_t threads, bb_oracle **out);
 void bb_oracle_destroy(bb_oracle *oracle); /* NULL is allowed */
 

@@ -105,7 +105,7 @@ typedef struct bb_scene {
     uint32_t prim_count;           /* of all kinds, 1 .. 2^31 - 1; 0: see bb_scene_load_any() */
     bb_prims prims[BB_KIND_COUNT]; /* by kind: BB_TRIANGLE, ... */
     uint32_t vertex_count, vertex_room;
-    float *vertices; /* x y z */
+    float *vertices; /* x y z; 4 bytes more may be read, as bb_host_alloc() lets */
     bb_box *boxes;   /* of the primitives, tight: a sphere's is rounded outwards; no -0 */
     bb_box bounds;
     float scale; /* power of two by which layouts multiply lengths: see bb_scene_choose_scale() */
