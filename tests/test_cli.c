@@ -44,6 +44,11 @@ static void bad_options_are_refused(void **state)
     refuses("", "run --scene cube --builder lbvh:bit=30", "'bit'");
     refuses("", "run --scene cube --builder lbvh:", "lbvh:");
     refuses("", "run --scene cube --builder embree-native:quality=best", "quality");
+    refuses("", "run --scene cube --builder lbvh:leaf=4", "no leaf=");
+    refuses("", "run --scene cube --builder lbvh:arity=8,link=karras", "no link=");
+    refuses("", "run --scene cube --builder lbvh:arity=8,leaf=65", "'65'");
+    refuses("", "run --scene cube --builder lbvh:arity=4", "'4'");
+    refuses("", "run --scene cube --kernel cwbvh:plan=native", "plan=native");
     refuses("", "run --scene cube --kernel warp", "warp");
     refuses("", "run --scene cube --kernel stack:leaf=0", "leaf");
     refuses("", "run --scene cube --kernel stack:group=0", "group");
@@ -75,6 +80,25 @@ static void bad_options_are_refused(void **state)
     refuses("", "check --builder nobody", "nobody");
     refuses("", "report", "report");
     refuses("", "report missing.json", "missing.json");
+}
+
+static void times_are_kept_or_refused(void **state)
+{
+    (void)state;
+    static const char cheap[] = "run --scene cube --builder lbvh --kernel stack --charts no "
+                                "--no-pictures --rays random:count=1000";
+    char arguments[256];
+    refuses("", "run --scene cube --time soon", "--time is 'soon'");
+    refuses("", "run --scene cube --time 1min --size 9x9", "--size");
+    refuses("", "run --scene crowd:kind=explode,n=100,frames=4 --builder lbvh --time 1h",
+            "it moves");
+    snprintf(arguments, sizeof arguments, "%s --out soon --time 0.01s", cheap);
+    refuses("", arguments, "with the fewest rays, views and rounds it still takes");
+    snprintf(arguments, sizeof arguments, "%s --out late --time 1h", cheap);
+    const outcome *o = run(arguments);
+    if (o->exit_status != 0 || strstr(o->err, "takes about ") == NULL ||
+        strstr(o->err, "pictures of") != NULL)
+        fail_msg("exit %d, '%s'", o->exit_status, o->err);
 }
 
 static void bad_files_are_refused(void **state)
@@ -197,6 +221,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(help_and_lists_are_there),
         cmocka_unit_test(bad_options_are_refused),
+        cmocka_unit_test(times_are_kept_or_refused),
         cmocka_unit_test(bad_files_are_refused),
         cmocka_unit_test(truncated_scenes_are_refused),
         cmocka_unit_test(unwritable_folders_are_refused_before_the_work),

@@ -66,6 +66,14 @@ static void real_numbers_are_read(void **state)
     assert_true(bb_read_real("1.25", &value) && value == 1.25);
     assert_true(bb_read_real("-1e-3", &value) && value == -1e-3);
     assert_true(bb_read_real("1e30", &value) && value == 1e30);
+    assert_true(bb_read_time("90", &value) && value == 90);
+    assert_true(bb_read_time("90s", &value) && value == 90);
+    assert_true(bb_read_time("2.5min", &value) && value == 150);
+    assert_true(bb_read_time("1h", &value) && value == 3600);
+    static const char *const no_times[] = {"",    "0",   "0s",  "min",  "5 min", "5m",
+                                           "-5s", "1e3", "inf", "1..5", "5min5", "."};
+    for (size_t i = 0; i < sizeof no_times / sizeof no_times[0]; i++)
+        assert_false(bb_read_time(no_times[i], &value));
     assert_true(bb_read_real("2k", &value) && value == 2000);
     assert_true(bb_read_real("9007199254740993", &value) && value == 9007199254740992.0);
     assert_true(bb_read_real("inf", &value) && isinf(value));

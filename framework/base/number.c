@@ -96,6 +96,27 @@ const char *bb_range_of_whole(uint64_t low, uint64_t high, char text[BB_RANGE_TE
     return text;
 }
 
+bool bb_read_time(const char *text, double *seconds)
+{
+    static const struct {
+        const char *unit;
+        double seconds;
+    } units[] = {{"", 1}, {"s", 1}, {"min", 60}, {"h", 3600}};
+    const size_t digits = strspn(text, "0123456789.");
+    char number[32];
+    double value;
+    if (digits >= sizeof number)
+        return false;
+    snprintf(number, sizeof number, "%.*s", (int)digits, text);
+    for (size_t i = 0; i < sizeof units / sizeof units[0]; i++)
+        if (strcmp(text + digits, units[i].unit) == 0 && bb_read_real(number, &value) &&
+            value > 0) {
+            *seconds = value * units[i].seconds;
+            return true;
+        }
+    return false;
+}
+
 const char *bb_time_words(double seconds, char text[BB_TIME_TEXT])
 {
     const double s = fmax(round(seconds), 1);

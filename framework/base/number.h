@@ -18,6 +18,10 @@ enum { BB_RANGE_TEXT = 96 };
  * `text`. */
 const char *bb_range_of_whole(uint64_t low, uint64_t high, char text[BB_RANGE_TEXT]);
 
+/* Reads a time: 90, 90s, 5min or 1.5h. Returns false and leaves *seconds alone if `text` is
+ * anything else, or not above 0. */
+bool bb_read_time(const char *text, double *seconds);
+
 enum { BB_TIME_TEXT = 48 };
 
 /* Writes a time, rounded: "4 min 40 s", or "12 s", at least "1 s"; "an unknown time" for NAN.

@@ -88,12 +88,33 @@ static double foretell_ms(const bb_results *small, const bb_bench_times *times, 
     return ms + times->total_ms - times->build_ms - times->trace_ms - listed;
 }
 
-/* ---- the small comparison ---- */
+/* ---- requests that take less time ---- */
 
 static uint32_t at_least(uint32_t small, uint32_t least, uint32_t all)
 {
     return small > least ? small : least < all ? least : all;
 }
+
+bb_bench_request bb_bench_thrifty(const bb_bench_request *request, uint32_t thrift)
+{
+    static const struct {
+        uint32_t side, repeats; /* side: of pictures, a part of it; 0 repeats: all */
+        bool one_view;
+    } thrifts[BB_THRIFTS] = {{1, 0, false}, {2, 0, false}, {4, 0, false},
+                             {4, 0, true},  {8, 0, true},  {8, 2, true}};
+    const uint32_t side = thrifts[thrift].side, repeats = thrifts[thrift].repeats;
+    bb_bench_request less = *request;
+    less.width = at_least(request->width / side, SIDE_LEAST, request->width);
+    less.height = at_least(request->height / side, SIDE_LEAST, request->height);
+    less.max_rays = at_least(request->max_rays / (side * side), RAYS_LEAST, request->max_rays);
+    if (thrifts[thrift].one_view)
+        less.max_views = 1;
+    if (repeats > 0 && repeats < less.repeats)
+        less.repeats = repeats;
+    return less;
+}
+
+/* ---- the small comparison ---- */
 
 static bb_bench_request small_request(const bb_bench_request *of, bb_scene *sample,
                                       char *const *text)
@@ -188,7 +209,7 @@ static double ray_bytes(const bb_bench_request *request)
 
 bool bb_bench_can_be_foretold(const bb_scene *scene)
 {
-    return scene->prim_count > BB_FORECAST_PRIMS && scene->volume == NULL && scene->motion == NULL;
+    return scene->volume == NULL && scene->motion == NULL;
 }
 
 bb_status bb_bench_forecast(const bb_bench_request *request, const bb_scene *scene,
@@ -201,17 +222,23 @@ bb_status bb_bench_forecast(const bb_bench_request *request, const bb_scene *sce
     const double resident = (double)bb_host_resident();
     const uint32_t share = scene->prim_count / BB_FORECAST_SHARE;
     const uint32_t most = share > BB_FORECAST_PRIMS ? share : BB_FORECAST_PRIMS;
-    *forecast = (bb_forecast){NAN, NAN};
+    *forecast = (bb_forecast){.bytes = NAN};
+    for (uint32_t t = 0; t < BB_THRIFTS; t++)
+        forecast->seconds[t] = NAN;
     BB_TRY(bb_scene_sample(scene, most, &sample));
     const bb_bench_request small = small_request(request, sample, &name);
     double bytes = 0;
     bb_status status = run_small(&small, &results, &outcome, &bytes);
     if (status == BB_OK && !bb_interrupted()) {
-        const double sets = sets_of(request, scene, text);
-        const scale by = scale_of(request, &small, scene->prim_count, sample->prim_count,
-                                  outcome.sets > 0 ? sets / outcome.sets : 0);
-        forecast->seconds = foretell_ms(results, &outcome.times, &by) / 1e3;
-        forecast->bytes = resident + by.prims * (bytes - ray_bytes(&small)) + ray_bytes(request);
+        for (uint32_t t = 0; t < BB_THRIFTS; t++) {
+            const bb_bench_request less = bb_bench_thrifty(request, t);
+            const double sets = sets_of(&less, scene, text);
+            const scale by = scale_of(&less, &small, scene->prim_count, sample->prim_count,
+                                      outcome.sets > 0 ? sets / outcome.sets : 0);
+            forecast->seconds[t] = foretell_ms(results, &outcome.times, &by) / 1e3;
+        }
+        const double prims = (double)scene->prim_count / sample->prim_count;
+        forecast->bytes = resident + prims * (bytes - ray_bytes(&small)) + ray_bytes(request);
     }
     bb_results_destroy(results);
     bb_scene_free(sample);

@@ -11,12 +11,17 @@ enum {
     BB_FORECAST_SHARE = 16, /* ... one primitive of so many, if that is more */
 };
 
+/* A comparison takes less time with smaller pictures and ray sets, then in one view, then in fewer
+ * rounds: the higher the thrift, the more is left out. 0: nothing. */
+enum { BB_THRIFTS = 6 };
+bb_bench_request bb_bench_thrifty(const bb_bench_request *request, uint32_t thrift);
+
 typedef struct bb_forecast {
-    double seconds; /* until the scene's last trace, pictures and report not included */
-    double bytes;   /* of the host, at their peak */
+    double seconds[BB_THRIFTS]; /* until the scene's last trace, without pictures and report */
+    double bytes;               /* of the host, at their peak, with all rays */
 } bb_forecast;
 
-/* Returns whether the scene is large, and can be sampled: it has no volume and does not move. */
+/* Returns whether the scene can be sampled: it has no volume and does not move. */
 bool bb_bench_can_be_foretold(const bb_scene *scene);
 
 /* Returns whether it is known how the time of a step grows: others count as constant. */

@@ -1,6 +1,9 @@
 /* bvhbench run: the comparison. */
+#include "framework/base/clock.h"
 #include "framework/base/interrupt.h"
+#include "framework/base/number.h"
 #include "framework/bench/bench.h"
+#include "framework/bench/forecast.h"
 #include "framework/cli/cells_option.h"
 #include "framework/cli/choice.h"
 #include "framework/cli/cli.h"
@@ -22,12 +25,13 @@ typedef struct comparison {
     bb_entrants entrants;
     bb_names keys, metrics;
     bb_bench_request request;
-    const char *folder, *history, *part;
+    const char *folder, *history, *part, *time;
     uint32_t charts;
     bool table, quick, no_pictures;
-    bb_shard shard; /* `part`, read */
-    bool telling;   /* nothing is chosen: accuracy is compared too */
-    bb_cells cells; /* if there are any, one run for each of their groups */
+    bb_shard shard;  /* `part`, read */
+    bool telling;    /* nothing is chosen: accuracy is compared too */
+    uint32_t thrift; /* with `time`: how much is left out */
+    bb_cells cells;  /* if there are any, one run for each of their groups */
 } comparison;
 
 static const bb_cli_option options[] = {
@@ -67,6 +71,9 @@ static const bb_cli_option options[] = {
      .fallback = "out"},
     BB_HISTORY_OPTION(comparison, history),
     {"shard", "I/N", "measure part I of N of the cells; see below", BB_INTO(comparison, part)},
+    {"time", "T",
+     "take no longer than this, such as 90s or 5min, with fewer rays, views and rounds if need be",
+     BB_INTO(comparison, time), .apart = "size|max-rays|repeats|cell|shard|quick"},
     {"table", NULL, "print the full tables instead of the summary", BB_INTO(comparison, table)},
     {"quick", NULL, "a first look: one view, two rounds, and few rays except on a GPU",
      BB_INTO(comparison, quick), .presets = (const char *const[]){"repeats", "2", NULL}},
@@ -239,22 +246,28 @@ static bb_status choose_for_forecast(void *user, const bb_bench_request **reques
 }
 
 /* Only after places that cannot be written are refused, since it may take minutes. */
-static bb_status foretell(comparison *c)
+static bb_status foretell(comparison *c, double start_ms)
 {
-    const bb_foretelling what = {&c->entrants.scenes, &c->device, choose_for_forecast, c};
-    if (c->cells.group_count > 0 || c->telling || c->quick || c->request.quiet)
+    bb_foretelling what = {&c->entrants.scenes, &c->device, choose_for_forecast, c, 0};
+    double seconds;
+    if (c->time != NULL && !bb_read_time(c->time, &seconds))
+        return bb_fail(BB_INVALID, "--time is '%s', must be a time such as 90s, 5min or 1.5h",
+                       c->time);
+    if (c->time != NULL)
+        what.ends_ms = start_ms + seconds * 1e3;
+    if (c->cells.group_count > 0 || c->telling || c->quick || (c->request.quiet && c->time == NULL))
         return BB_OK;
     BB_TRY(bb_out_folder(c->folder));
     BB_TRY(bb_output_append(c->history, NULL));
-    bb_foretell(&what);
-    return BB_OK;
+    return bb_foretell(&what, &c->thrift);
 }
 
 static bb_status run(const bb_cli *cli, void *values, int *exit_status)
 {
     comparison *c = values;
     bb_bench_request *request = &c->request;
-    c->telling = is_default(cli, c);
+    const double start_ms = bb_wall_ms();
+    c->telling = is_default(cli, c) && c->time == NULL;
     request->picture_folder = c->no_pictures ? NULL : c->folder;
     if (c->part != NULL) {
         BB_TRY(bb_shard_parse(c->part, "--shard", &c->shard));
@@ -264,8 +277,9 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
     BB_TRY(bb_load_plugins(&c->device.plugins));
     BB_TRY(bb_cells_read(&c->keys, &c->cells));
     BB_TRY(bb_choose_scenes(&c->entrants.scenes, bb_add_shipped_scenes));
-    BB_TRY(foretell(c));
+    BB_TRY(foretell(c, start_ms));
     BB_TRY(choose(c));
+    *request = bb_bench_thrifty(request, c->thrift);
     if (c->cells.group_count > 0)
         bb_cells_request(&c->cells.groups[0], request);
     const bb_comparison all = {
@@ -320,7 +334,11 @@ const bb_command bb_command_run = {
         "comparison on a\n"
         "sample of it: on a processor, for scenes without volume or motion, and not with --cell, "
         "--quick,\n"
-        "--quiet or if nothing is chosen.\n"
+        "--quiet or if nothing is chosen. --time foretells all scenes, and halves the sides of "
+        "pictures, takes\n"
+        "a quarter of the rays of other sets, one view or two rounds until the time is kept; what "
+        "it leaves out\n"
+        "is said. It refuses what cannot be foretold, or takes longer even so.\n"
         "2 to 5 --repeats give a range instead of an interval, 1 gives neither.\n"
         "A comma starts a new item of a list unless what follows it is key=value.\n"
         "Exit status 1: a cell with the intersector `exact` has more wrong answers than\n"
