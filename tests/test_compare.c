@@ -232,9 +232,17 @@ static void texts_of_files_are_no_markup(void **state)
 
 /* ---- pairs: what happens in any that counts ---- */
 
-enum { PAIRS = 10 };
+enum { PAIRS = 10, EACH = PAIRS };
 
-/* Equals, but for `edit` in set `number` of `side`; as text. */
+/* As much processor time as wall time. */
+static void give_cpu(bb_entry *entry, bb_field_id wall, bb_field_id cpu)
+{
+    bb_samples rounds;
+    assert_true(bb_get_samples(entry, wall, &rounds));
+    bb_put_rounds(entry, cpu, &rounds);
+}
+
+/* Equals, but for `edit` in set `number` of `side`, or EACH of them; as text. */
 static bb_status compare_pairs(edit_fn *edit, int side, uint32_t number,
                                bb_comparison_result *result, char *text, size_t capacity)
 {
@@ -242,11 +250,13 @@ static bb_status compare_pairs(edit_fn *edit, int side, uint32_t number,
     for (int k = 0; k < 2; k++)
         for (uint32_t i = 0; i < PAIRS; i++) {
             bb_results *r = history_run("one", "here", "2024-01-01T00:00:00Z", nothing, 2 * i + k);
-            if (k == side && i == number)
+            give_cpu(trace_at(r, 5), BB_F_TRACE_MS, BB_F_TRACE_CPU_MS);
+            give_cpu(build_at(r, 3), BB_F_BUILD_MS, BB_F_BUILD_CPU_SAMPLES);
+            if (k == side && (i == number || number == EACH))
                 edit(r);
             bb_cell_set_free(&sets[k][i]);
             ASSERT_OK(
-                bb_cell_set_of_table(bb_results_table(r), k == 0 ? "OLD" : "NEW", &sets[k][i]));
+                bb_cell_set_of_pair(bb_results_table(r), k == 0 ? "OLD" : "NEW", &sets[k][i]));
             bb_results_destroy(r);
         }
     bb_status status =
@@ -310,6 +320,48 @@ static void any_pair_that_counts_decides(void **state)
     }
 }
 
+static void edit_more_cpu(bb_results *r)
+{
+    scale_ms(trace_at(r, 5), BB_F_TRACE_CPU_MS, 1.2);
+}
+
+static void edit_build_more_cpu(bb_results *r)
+{
+    scale_ms(build_at(r, 3), BB_F_BUILD_CPU_SAMPLES, 1.2);
+}
+
+/* On a GPU the host's processor time is not what is measured. */
+static void edit_gpu_more_cpu(bb_results *r)
+{
+    edit_more_cpu(r);
+    set_context(r, BB_F_CONTEXT_DEVICE_TYPE, "GPU");
+}
+
+/* Pairs see processor time, beside wall time. */
+static void pairs_see_the_processors_time(void **state)
+{
+    (void)state;
+    static const struct {
+        edit_fn *edit;
+        uint32_t worse;
+        const char *words;
+    } cases[] = {
+        {edit_more_cpu, 1, "trace CPU ms"},
+        {edit_build_more_cpu, 1, "build CPU ms"},
+        {edit_slower, 1, "trace ms"},
+        {edit_gpu_more_cpu, 0, "nothing is worse"},
+    };
+    static char text[1 << 20];
+    bb_comparison_result r;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        ASSERT_OK(compare_pairs(cases[i].edit, 1, EACH, &r, text, sizeof text));
+        if (r.worse != cases[i].worse || strstr(text, cases[i].words) == NULL)
+            fail_msg("case %zu: %u worse, expected %u and '%s':\n%s", i, r.worse, cases[i].worse,
+                     cases[i].words, text);
+        bb_compare_free(&r);
+    }
+}
+
 static void senses_of_figures(void **state)
 {
     (void)state;
@@ -347,6 +399,7 @@ int main(void)
         cmocka_unit_test(cells_of_two_devices_do_not_meet),
         cmocka_unit_test(worst_comes_first_and_markdown_holds),
         cmocka_unit_test(any_pair_that_counts_decides),
+        cmocka_unit_test(pairs_see_the_processors_time),
         cmocka_unit_test(texts_of_files_are_no_markup),
         cmocka_unit_test(senses_of_figures),
     };

@@ -116,7 +116,7 @@ static bb_status measure(const bb_interleaving *wanted, const char *folder, uint
         return BB_OK;
     BB_TRY(bb_join_path(file, out, "results.json"));
     BB_TRY(bb_results_read(file, &results));
-    bb_status status = bb_cell_set_of_table(bb_results_table(results), wanted->programs[k], set);
+    bb_status status = bb_cell_set_of_pair(bb_results_table(results), wanted->programs[k], set);
     bb_results_destroy(results);
     return status;
 }

@@ -132,6 +132,7 @@ typedef struct source {
     bb_cell_set *set;
     const bb_table *table;
     uint32_t row;
+    bool clocks;
 } source;
 
 static const char *text_of(const source *s, uint32_t row, bb_field_id field)
@@ -206,9 +207,32 @@ static bb_status add_fields(const source *s, uint32_t row, const bb_field_id *fi
     return BB_OK;
 }
 
+bool bb_is_clock(const char *key)
+{
+    return strstr(key, BB_KEY_OF_CLOCK) != NULL;
+}
+
+/* Adds a cell of the processor's time, if it is a figure of its own: that of a GPU's host says
+ * nothing. What has failed, or is missing, is said by the cell itself. */
+static bb_status add_clock(const source *s, const char *of, bb_field_id field, const char *time)
+{
+    const bb_samples *rounds = bb_table_get_rounds(s->table, s->row, bb_fields[field].name);
+    bb_measured *cell;
+    char key[BB_CELL_KEY];
+    bb_key_writer w = {.key = key, .length = strnlen(of, BB_CELL_KEY - 1)};
+    if (!s->clocks || rounds == NULL || strcmp(text_of(s, s->row, BB_F_TRACE_STATUS), "ok") != 0 ||
+        strcmp(s->set->origin.device_type, BB_DEVICE_CPU) != 0)
+        return BB_OK;
+    memcpy(key, of, w.length);
+    bb_key_put(&w, "clock", "cpu");
+    BB_TRY(end_key(&w));
+    return add_cell(s, key, bb_fields[field].name, time, &cell);
+}
+
 static bb_status add_build(const source *s, const char *key)
 {
     bb_measured *cell;
+    BB_TRY(add_clock(s, key, BB_F_BUILD_CPU_SAMPLES, "build CPU ms"));
     BB_TRY(add_cell(s, key, bb_fields[BB_F_BUILD_MS].name, "build ms", &cell));
     BB_TRY(add_fields(s, scene_of(s), (bb_field_id[]){BB_F_SCENE_PRIMS}, 1, cell));
     BB_TRY(add_fields(s, s->row, of_builds, sizeof of_builds / sizeof of_builds[0], cell));
@@ -221,6 +245,7 @@ static bb_status add_build(const source *s, const char *key)
 static bb_status add_trace(const source *s, const char *key)
 {
     bb_measured *cell;
+    BB_TRY(add_clock(s, key, BB_F_TRACE_CPU_MS, "trace CPU ms"));
     BB_TRY(add_cell(s, key, bb_fields[BB_F_TRACE_MS].name, "trace ms", &cell));
     return add_fields(s, s->row, of_traces, sizeof of_traces / sizeof of_traces[0], cell);
 }
@@ -341,7 +366,7 @@ static bb_status name_runs(const bb_table *table, bb_cell_set *set)
     return BB_OK;
 }
 
-bb_status bb_cell_set_of_table(const bb_table *table, const char *what, bb_cell_set *set)
+static bb_status take_table(const bb_table *table, const char *what, bool clocks, bb_cell_set *set)
 {
     const bool keys = strcmp(bb_table_command(table), "run") == 0;
     memset(set, 0, sizeof *set);
@@ -350,7 +375,7 @@ bb_status bb_cell_set_of_table(const bb_table *table, const char *what, bb_cell_
     if (status != BB_OK)
         return bb_fail(status, "%.200s: %s", what, bb_message());
     for (uint32_t row = 0; row < bb_table_row_count(table); row++) {
-        const source s = {set, table, row};
+        const source s = {set, table, row, clocks};
         if (is_about_run(table, row))
             add_origin(table, row, &set->origin);
         else
@@ -359,6 +384,16 @@ bb_status bb_cell_set_of_table(const bb_table *table, const char *what, bb_cell_
     BB_TRY(name_runs(table, set));
     bb_cell_set_sort(set);
     return BB_OK;
+}
+
+bb_status bb_cell_set_of_table(const bb_table *table, const char *what, bb_cell_set *set)
+{
+    return take_table(table, what, false, set);
+}
+
+bb_status bb_cell_set_of_pair(const bb_table *table, const char *what, bb_cell_set *set)
+{
+    return take_table(table, what, true, set);
 }
 
 /* ---- by key ---- */

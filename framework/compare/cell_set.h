@@ -62,6 +62,12 @@ typedef struct bb_cell_set {
  * texts, only "status" and the scene's "hash" are taken. BB_INVALID if a run is no number, or a key
  * too long. Release with bb_cell_set_free(), also after a failure. */
 bb_status bb_cell_set_of_table(const bb_table *table, const char *what, bb_cell_set *set);
+/* The same for a run of a pair. Builds and traces of `run` on a processor's device have a second
+ * cell each, "/clock=cpu" behind the key, with the processor time of all threads: it tells less of
+ * what other programs do. */
+bb_status bb_cell_set_of_pair(const bb_table *table, const char *what, bb_cell_set *set);
+/* Returns whether it is such a cell. */
+bool bb_is_clock(const char *key);
 
 /* Appends an empty cell with this key, made canonical: a parameter that the key's program did not
  * have yet gets its default here. `*cell` is valid until the next call. */

@@ -160,14 +160,14 @@ static void time_pairs(const bb_comparison_result *result, timing *t, bb_family_
     for (uint32_t i = 0; i < result->before.count; i++) {
         const bb_measured *a = bb_cell_set_find(&result->before.sets[i], t->before->key);
         const bb_measured *b = bb_cell_set_find(&result->after.sets[i], t->before->key);
-        double ratio = bb_ratio_of_leasts(a, b);
+        double ratio = bb_ratio_of_pair(a, b);
         if (i > 0)
             bb_samples_add(&row->before, log(ratio)); /* NAN stands for a missing value */
         if (!isfinite(ratio) && i > 0)
             continue;
         bb_samples_add(&ratios, isfinite(ratio) ? ratio : 1);
-        bb_samples_add(&from, isfinite(ratio) ? bb_samples_least(&a->ms) : 1);
-        bb_samples_add(&to, isfinite(ratio) ? bb_samples_least(&b->ms) : 1);
+        bb_samples_add(&from, isfinite(ratio) ? bb_time_of_pair(a) : 1);
+        bb_samples_add(&to, isfinite(ratio) ? bb_time_of_pair(b) : 1);
     }
     t->own = result->given ? (double)NAN
                            : bb_floor_of_cell(&result->before, &result->after, t->before->key);
@@ -323,6 +323,8 @@ static void count_only(bb_comparison_result *result)
     const bb_side *a = &result->before, *b = &result->after;
     bb_side_place place = {0, 0};
     for (const char *key; (key = bb_side_next(a, &place)) != NULL;) {
+        if (bb_is_clock(key))
+            continue;
         bool both = bb_side_find(b, key) != NULL;
         const bb_measured *old = bb_side_find(a, key);
         result->missing += !both && counts_as_missing(old);
@@ -332,7 +334,7 @@ static void count_only(bb_comparison_result *result)
     }
     place = (bb_side_place){0, 0};
     for (const char *key; (key = bb_side_next(b, &place)) != NULL;)
-        result->only_after += bb_side_find(a, key) == NULL;
+        result->only_after += !bb_is_clock(key) && bb_side_find(a, key) == NULL;
 }
 
 /* Returns whether all counting runs had the same scene and rays. */
@@ -353,7 +355,7 @@ static bb_status compare_cell(bb_comparison_result *result, const bb_measured *b
 {
     bool both_ok;
     if (!same_inputs(result, before)) {
-        result->unlike++;
+        result->unlike += !bb_is_clock(before->key);
         return BB_OK;
     }
     BB_TRY(compare_status(result, before, after, &both_ok));
@@ -367,7 +369,7 @@ static bb_status compare_cell(bb_comparison_result *result, const bb_measured *b
 
 static bb_status compare_cells(bb_comparison_result *result)
 {
-    timing *timings = calloc(result->common + 1, sizeof *timings);
+    timing *timings = calloc(2 * (size_t)result->common + 1, sizeof *timings); /* and clocks */
     uint32_t count = 0;
     bb_side_place place = {0, 0};
     bb_status status = timings != NULL ? BB_OK : bb_fail(BB_FAILED, "comparison: no memory");

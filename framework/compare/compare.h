@@ -143,9 +143,12 @@ void bb_floor_free(bb_floor *floor);
 
 /* Returns the ratio of a cell's medians, after by before; NAN if one has no times or is not ok. */
 double bb_ratio_of_medians(const bb_measured *before, const bb_measured *after);
-/* Returns the ratio of the least times, which pairs use: noise only lengthens times, in bursts that
- * may last for half of a short run. NAN also if the numbers of rounds differ. */
-double bb_ratio_of_leasts(const bb_measured *before, const bb_measured *after);
+/* Returns the time of a run that pairs compare: the least, since noise only lengthens times, in
+ * bursts that may last for half of a short run. Of processor time the median, which other programs
+ * hardly change: it scatters less. */
+double bb_time_of_pair(const bb_measured *cell);
+/* Returns the ratio of these times. NAN also if the numbers of rounds differ. */
+double bb_ratio_of_pair(const bb_measured *before, const bb_measured *after);
 /* Returns whether both have the same scene and rays. */
 bool bb_same_input(const bb_measured *a, const bb_measured *b);
 

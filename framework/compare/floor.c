@@ -36,11 +36,23 @@ double bb_ratio_of_medians(const bb_measured *before, const bb_measured *after)
     return ratio_of(before, after, bb_samples_median);
 }
 
-double bb_ratio_of_leasts(const bb_measured *before, const bb_measured *after)
+typedef double (*place_of_samples)(const bb_samples *ms);
+
+static place_of_samples place_of_pair(const bb_measured *cell)
+{
+    return bb_is_clock(cell->key) ? bb_samples_median : bb_samples_least;
+}
+
+double bb_time_of_pair(const bb_measured *cell)
+{
+    return place_of_pair(cell)(&cell->ms);
+}
+
+double bb_ratio_of_pair(const bb_measured *before, const bb_measured *after)
 {
     /* with more rounds the least time is less */
     return before != NULL && after != NULL && before->ms.count == after->ms.count
-               ? ratio_of(before, after, bb_samples_least)
+               ? ratio_of(before, after, place_of_pair(before))
                : (double)NAN;
 }
 
@@ -53,8 +65,8 @@ double bb_floor_of_cell(const bb_side *before, const bb_side *after, const char 
     bb_samples_add(&ratios, 1); /* takes the place of the discarded one */
     for (uint32_t s = 0; s < 2; s++)
         for (uint32_t i = 1; i + 1 < sides[s]->count; i += 2) {
-            double ratio = bb_ratio_of_leasts(bb_cell_set_find(&sides[s]->sets[i], key),
-                                              bb_cell_set_find(&sides[s]->sets[i + 1], key));
+            double ratio = bb_ratio_of_pair(bb_cell_set_find(&sides[s]->sets[i], key),
+                                            bb_cell_set_find(&sides[s]->sets[i + 1], key));
             if (isfinite(ratio) && ratios.count < BB_SAMPLES_MAX)
                 bb_samples_add(&ratios, ratio);
         }

@@ -40,8 +40,10 @@ enum { BB_CELL_TEXT = 1024, BB_CELL_KEY = 4096 };
 
 /* Suffixes of keys where cells are compared. They are no parts of the grammar, since no run
  * measures such a cell by itself. A layout, whose name follows the key of its build, is made when
- * something traces it. The number of a run tells cells of merged runs apart. */
+ * something traces it. Behind the key of a build or trace, a clock other than the wall's. The
+ * number of a run tells cells of merged runs apart. */
 #define BB_KEY_OF_LAYOUT "/layout="
+#define BB_KEY_OF_CLOCK "/clock="
 #define BB_KEY_OF_RUN "/run="
 
 /* Parts of a key. "" and 0 stand for parts that are not given. */

@@ -201,8 +201,12 @@ void bb_cell_short(bb_cell_parts *cell)
 static void respell_key(const char *key, bool defaults, char out[BB_CELL_KEY])
 {
     bb_cell_parts cell;
-    const char *layout = strstr(key, BB_KEY_OF_LAYOUT), *run = strstr(key, BB_KEY_OF_RUN);
-    const char *suffix = layout != NULL ? layout : run != NULL ? run : key + strlen(key);
+    static const char *const suffixes[] = {BB_KEY_OF_LAYOUT, BB_KEY_OF_CLOCK, BB_KEY_OF_RUN};
+    const char *suffix = key + strlen(key);
+    for (size_t i = 0; i < sizeof suffixes / sizeof suffixes[0]; i++) {
+        const char *found = strstr(key, suffixes[i]);
+        suffix = found != NULL && found < suffix ? found : suffix;
+    }
     snprintf(out, BB_CELL_KEY, "%.*s", (int)(suffix - key), key);
     if (bb_cell_key_parse(out, &cell) == BB_OK) {
         if (!defaults)

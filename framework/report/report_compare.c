@@ -53,7 +53,8 @@ static void add_rule(bb_page *page, const bb_comparison_result *r)
                  100 * r->floor.share, 100 * BB_COMPARE_LEVEL);
     if (r->pairs)
         bb_page_note(page,
-                     "of pairs the least times are compared, run by run: noise only lengthens");
+                     "of pairs the least times are compared, run by run: noise only lengthens; of "
+                     "processor time, the medians");
     bb_page_note(page, "the %.2f %%: %s", 100 * r->floor.share, r->floor.from);
 }
 

@@ -31,7 +31,7 @@ slowed() {
     chmod +x "$folder/$1"
 }
 
-# ratio_of RUNS ROWS: the median ratio of times, after to before, of all pairs. ROWS: a jq filter that gives {key, value} of each time.
+# ratio_of RUNS ROWS: the median ratio of times (processor time, where there is one), after to before, of all pairs. ROWS: a jq filter that gives {key, value} of each time.
 ratio_of() {
     for pair in "$folder/$1"/[1-9]*-after; do
         jq -n --slurpfile a "${pair%after}before/results.json" --slurpfile b "$pair/results.json" '
@@ -40,8 +40,8 @@ ratio_of() {
             ($a[0] | times) as $x | ($b[0] | times) as $y | $x | keys[] | $y[.] / $x[.]'
     done | sort -g | awk '{ v[NR] = $1 } END { print v[int((NR + 1) / 2)] }'
 }
-kernel='select(.kernel == "stack" and .ms) | {key: .cell, value: .ms}'
-build='select(.builder == "lbvh" and .build_ms) | {key: .cell, value: .build_ms}'
+kernel='select(.kernel == "stack" and .cpu_ms) | {key: .cell, value: .cpu_ms}'
+build='select(.builder == "lbvh" and .build_ms) | {key: .cell, value: .cpu_ms}'
 layout='select(.maker == "pair" and .layout_ms) | {key: .builder, value: .layout_ms}'
 
 # calibrate KERNEL BUILD LAYOUT: measures with so many turns, then sets `turns` to as many as slow each time by $percent. What a loop takes
