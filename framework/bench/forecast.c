@@ -147,7 +147,7 @@ static scale scale_of(const bb_bench_request *whole, const bb_bench_request *sma
 {
     const double rays = (double)whole->width * whole->height + whole->max_rays,
                  small_rays = (double)small->width * small->height + small->max_rays;
-    const double deeper = log2(prims) / log2(sample_prims);
+    const double deeper = prims > sample_prims ? log2(prims) / log2(sample_prims) : 1;
     return (scale){.prims = prims / sample_prims,
                    .rounds = (whole->repeats + 1.0) / (small->repeats + 1.0),
                    .rays = rays / small_rays * sets * deeper,
@@ -221,7 +221,7 @@ bb_status bb_bench_forecast(const bb_bench_request *request, const bb_scene *sce
     char *name = (char *)text; /* which nobody writes to */
     const double resident = (double)bb_host_resident();
     const uint32_t share = scene->prim_count / BB_FORECAST_SHARE;
-    const uint32_t most = share > BB_FORECAST_PRIMS ? share : BB_FORECAST_PRIMS;
+    const uint32_t most = at_least(share, BB_FORECAST_PRIMS, scene->prim_count);
     *forecast = (bb_forecast){.bytes = NAN};
     for (uint32_t t = 0; t < BB_THRIFTS; t++)
         forecast->seconds[t] = NAN;

@@ -186,8 +186,8 @@ static bb_status compare_files(const bb_cli *cli, inputs *in, int *exit_status)
 
 static bb_status check_arguments(char *const *arguments, uint32_t count)
 {
-    static const char *const ours[] = {"--out", "--history", "--quiet", "--charts",
-                                       "--no-pictures"};
+    static const char *const ours[] = {"--out",    "--history",     "--quiet",
+                                       "--charts", "--no-pictures", "--time"};
     for (uint32_t i = 0; i < count; i++)
         for (size_t k = 0; k < sizeof ours / sizeof ours[0]; k++)
             if (strncmp(arguments[i], ours[k], strlen(ours[k])) == 0)

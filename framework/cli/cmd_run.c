@@ -72,7 +72,8 @@ static const bb_cli_option options[] = {
     BB_HISTORY_OPTION(comparison, history),
     {"shard", "I/N", "measure part I of N of the cells; see below", BB_INTO(comparison, part)},
     {"time", "T",
-     "take no longer than this, such as 90s or 5min, with fewer rays, views and rounds if need be",
+     "take about so long at most, such as 90s or 5min, with fewer rays, views and rounds if need "
+     "be",
      BB_INTO(comparison, time), .apart = "size|max-rays|repeats|cell|shard|quick"},
     {"table", NULL, "print the full tables instead of the summary", BB_INTO(comparison, table)},
     {"quick", NULL, "a first look: one view, two rounds, and few rays except on a GPU",

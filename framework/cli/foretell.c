@@ -11,6 +11,7 @@
 #include "framework/device/device_private.h"
 #include "framework/stress/child.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -89,7 +90,8 @@ static void say(const char *scene, const prediction *p)
 
 static void predict_scene(const bb_foretelling *what, const char *scene, prediction *p)
 {
-    const bb_child_limits limits = {SECONDS, bb_memory_limit() >> 20};
+    const double left = what->ends_ms > 0 ? (what->ends_ms - bb_wall_ms()) / 1e3 : SECONDS;
+    const bb_child_limits limits = {fmin(fmax(left, 1), SECONDS), bb_memory_limit() >> 20};
     task t = {what, scene, p};
     bb_child_report report;
     memset(p, 0, sizeof *p);

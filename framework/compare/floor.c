@@ -149,7 +149,7 @@ static bb_status take_two(bb_floor *floor, const bb_cell_set *before, const bb_c
     bb_status status = BB_OK;
     for (uint32_t c = 0; c < before->count && status == BB_OK; c++) {
         const bb_measured *a = &before->cells[c], *b = bb_cell_set_find(after, a->key);
-        if (a->reference || !isfinite(bb_ratio_of_medians(a, b)))
+        if (a->reference || bb_is_clock(a->key) || !isfinite(bb_ratio_of_medians(a, b)))
             continue;
         bb_effect effect = bb_effect_of_runs(&a->ms, &b->ms);
         if (!isfinite(effect.low))

@@ -221,7 +221,7 @@ static void add_only(bb_page *page, const bb_side *in, const bb_side *other, uin
         return;
     bb_page_say(page, "%u cells are in %s only:", count, in->sets[0].origin.what);
     for (const char *key; shown < KEYS_MAX && (key = bb_side_next(in, &place)) != NULL;)
-        if (bb_side_find(other, key) == NULL) {
+        if (!bb_is_clock(key) && bb_side_find(other, key) == NULL) {
             bb_cell_key_short(key, brief);
             bb_page_note(page, "%s", brief);
             shown++;
