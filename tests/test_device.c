@@ -96,7 +96,6 @@ static void accounts_keep_book(void **state)
     assert_int_equal(device->bytes, before);
 }
 
-/* Host memory and the buffers of a device that shares it are one account, whoever books them. */
 /* A block that shrinks keeps its beginning and its account; without room for both it stays. */
 static void blocks_shrink(void **state)
 {
@@ -130,6 +129,7 @@ static void blocks_shrink(void **state)
     assert_int_equal(account.bytes, 0);
 }
 
+/* Host memory and the buffers of a device that shares it are one account, whoever books them. */
 static void one_account_has_all(void **state)
 {
     (void)state;

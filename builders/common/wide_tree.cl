@@ -86,13 +86,13 @@ typedef BB_VECTOR(int, BB_WIDE_ARITY) ranges_int;
 #define LANES ((ranges_int)(0, 1, 2, 3, 4, 5, 6, 7))
 #define ONE_LATER(v) (v).s00123456
 
-/* Returns the lane of the largest, the first of equals. *most: its size. */
-uint largest_of(ranges_int sizes, int *most)
+/* Returns the lane of the highest rank, the first of equals. *highest: this rank. */
+uint first_to_cut(ranges_int ranks, int *highest)
 {
-    int4 four = max(sizes.lo, sizes.hi);
+    int4 four = max(ranks.lo, ranks.hi);
     int2 two = max(four.lo, four.hi);
-    *most = max(two.x, two.y);
-    uint which = bb_bits8(sizes == *most);
+    *highest = max(two.x, two.y);
+    uint which = bb_bits8(ranks == *highest);
     return 31u - clz(which & (0u - which));
 }
 
@@ -113,21 +113,21 @@ uint divide(global const bb_key *keys, uint key_count, uint leaf, uint l, uint r
     starts.s0 = l;
     ranges_int ranks = LANES == 0 ? (ranges_int)(rank_of(keys, leaf, l, r)) : (ranges_int)(0);
     uint count = 1;
-    cuts[8] = r;
+    cuts[BB_WIDE_ARITY] = r;
     while (count < BB_WIDE_ARITY) {
-        int most;
-        uint largest = largest_of(ranks, &most);
-        if (most == 0)
+        int highest;
+        uint range = first_to_cut(ranks, &highest);
+        if (highest == 0)
             break;
         vstore8(starts, 0, cuts);
-        uint begin = cuts[largest], end = cuts[largest + 1u];
+        uint begin = cuts[range], end = cuts[range + 1u];
         uint cut = cut_of(keys, key_count, begin, end);
-        ranges_int behind = LANES > (int)largest, next = LANES == (int)largest + 1;
+        ranges_int behind = LANES > (int)range, next = LANES == (int)range + 1;
         starts = behind ? ONE_LATER(starts) : starts;
         ranks = behind ? ONE_LATER(ranks) : ranks;
         starts = next ? (ranges_uint)(cut) : starts;
         ranks = next ? (ranges_int)(rank_of(keys, leaf, cut, end)) : ranks;
-        ranks = LANES == (int)largest ? (ranges_int)(rank_of(keys, leaf, begin, cut)) : ranks;
+        ranks = LANES == (int)range ? (ranges_int)(rank_of(keys, leaf, begin, cut)) : ranks;
         count++;
     }
     vstore8(starts, 0, cuts);
@@ -363,8 +363,8 @@ kernel void wide_root(global const bb_key *keys, global const uint *values,
 /* Opens the items of level `number`. Those below go on the list `next`. */
 kernel void wide_level(global const bb_key *keys, global const uint *values,
                        global const bb_box *boxes, uint count, uint leaf, uint number,
-                       global bb_node *nodes,
-                       global uint *refs, volatile global bb_tree_info *info,
+                       global bb_node *nodes, global uint *refs,
+                       volatile global bb_tree_info *info,
                        global const bb_wide_item *items, global bb_wide_item *next,
                        volatile global bb_wide_level *levels)
 {

@@ -72,7 +72,7 @@ static const bb_cli_option options[] = {
     BB_HISTORY_OPTION(comparison, history),
     {"shard", "I/N", "measure part I of N of the cells; see below", BB_INTO(comparison, part)},
     {"time", "T",
-     "take about so long at most, such as 90s or 5min, with fewer rays, views and rounds if need "
+     "take at most about this long, such as 90s or 5min, with fewer rays, views and rounds if need "
      "be",
      BB_INTO(comparison, time), .apart = "size|max-rays|repeats|cell|shard|quick"},
     {"table", NULL, "print the full tables instead of the summary", BB_INTO(comparison, table)},
@@ -339,7 +339,12 @@ const bb_command bb_command_run = {
         "pictures, takes\n"
         "a quarter of the rays of other sets, one view or two rounds until the time is kept; what "
         "it leaves out\n"
-        "is said. It refuses what cannot be foretold, or takes longer even so.\n"
+        "is said. It refuses what cannot be foretold, or takes longer even so. Pictures, "
+        "--metrics, "
+        "compiling\n"
+        "and the report come on top. The comparison of intersectors, which runs if nothing is "
+        "chosen, "
+        "is left out.\n"
         "2 to 5 --repeats give a range instead of an interval, 1 gives neither.\n"
         "A comma starts a new item of a list unless what follows it is key=value.\n"
         "Exit status 1: a cell with the intersector `exact` has more wrong answers than\n"

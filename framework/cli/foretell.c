@@ -57,8 +57,10 @@ static int predict(void *user)
                     t->what->choose(t->what->user, &chosen) != BB_OK ||
                     bb_open_device(t->what->device, &device) != BB_OK ||
                     bb_scene_has_room(scene, device) != BB_OK;
-    if (p->is_refused)
+    if (p->is_refused) {
+        snprintf(p->why_not, sizeof p->why_not, "%s", bb_message());
         return 0;
+    }
     const char *why = why_not(scene, device);
     p->is_large = why == NULL && scene->prim_count > BB_FORECAST_PRIMS;
     p->request = *chosen;
@@ -102,7 +104,8 @@ static void predict_scene(const bb_foretelling *what, const char *scene, predict
         p->is_large = report.end != BB_CHILD_INTERRUPTED;
         snprintf(p->why_not, sizeof p->why_not, "the small comparison ended: %s", report.words);
     }
-    say(scene, p);
+    if (what->ends_ms == 0 || p->is_made) /* else a refusal says it */
+        say(scene, p);
 }
 
 /* A plug-in's threads do not survive a fork either. */
@@ -160,8 +163,10 @@ static bb_status foretell(const bb_foretelling *what, prediction *p, uint32_t *t
             snprintf(p->why_not, sizeof p->why_not, "a plug-in has threads, or a builder died");
         if (what->ends_ms == 0)
             continue;
-        if (p->is_refused || bb_interrupted())
+        if (bb_interrupted())
             return BB_OK;
+        if (p->is_refused) /* at once, not when its turn comes */
+            return bb_fail(BB_REFUSED, "%s", p->why_not);
         if (!p->is_made)
             return bb_fail(BB_REFUSED, "--time: %s cannot be foretold: %s: leave out --time", scene,
                            p->why_not);
