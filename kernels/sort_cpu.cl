@@ -22,6 +22,8 @@
  *
  *     by passes: these three, for each digit of 8 bits from the lowest up
  *
+ *     few pairs: one item sorts them as a bucket                                     (sort_alone)
+ *
  * Both ways are launched, since only the device knows which one is taken: way[0]. A kernel of the
  * other way, SORT_..., does nothing.
  *
@@ -289,8 +291,29 @@ static bool sort_pairs(pairs a, pairs b, uint count)
     return swapped != sort_digits(from, to, count, low, span, (span + widest - 1u) / widest);
 }
 
+static void copy_pairs(pairs from, pairs to, uint count)
+{
+    for (uint i = 0; i < count; i++) {
+        to.keys[i] = from.keys[i];
+        to.values[i] = from.values[i];
+    }
+}
+
+/* Launched on one work-item: sorts few pairs in place. */
+__kernel void sort_alone(__global BB_KEY *keys,
+                         __global uint *values,
+                         const uint count,
+                         __global BB_KEY *keys_scratch,
+                         __global uint *values_scratch)
+{
+    const pairs place = {keys, values};
+    const pairs scratch = {keys_scratch, values_scratch};
+    if (sort_pairs(place, scratch, count))
+        copy_pairs(scratch, place, count);
+}
+
 /* Launched on one work-item per tile of places, in groups of one. The pairs come in the order of
- * their buckets, or are all in one bucket at place 0 if `buckets` is 0. */
+ * their buckets. */
 __kernel void sort_buckets(__global BB_KEY *keys, /* overwritten, as are the values */
                            __global uint *values,
                            const uint count,
@@ -298,12 +321,11 @@ __kernel void sort_buckets(__global BB_KEY *keys, /* overwritten, as are the val
                            __global const uint *places, /* the scanned counts */
                            const uint chunks,
                            const uint buckets,
-                           const uint only,
                            __global const uint *way,
                            __global BB_KEY *keys_out,
                            __global uint *values_out)
 {
-    if (only != SORT_ANY && way[0] != only)
+    if (way[0] != SORT_BUCKETS)
         return;
     const uint at = get_global_id(0) * tile;
     const uint begin = first_bucket(places, chunks, buckets, count, at);
@@ -313,10 +335,6 @@ __kernel void sort_buckets(__global BB_KEY *keys, /* overwritten, as are the val
         return;
     const pairs from = {keys + begin, values + begin};
     const pairs to = {keys_out + begin, values_out + begin};
-    if (sort_pairs(from, to, end - begin))
-        return;
-    for (uint i = 0; i < end - begin; i++) {
-        to.keys[i] = from.keys[i];
-        to.values[i] = from.values[i];
-    }
+    if (!sort_pairs(from, to, end - begin))
+        copy_pairs(from, to, end - begin);
 }

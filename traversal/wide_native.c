@@ -64,7 +64,7 @@ static bb_status count(bb_wide_native *native, const bb_layout_source *source, b
     BB_TRY(bb_scan_u32(native->primitives, &native->inner, &native->inner, chunks + 1, NULL));
     BB_TRY(bb_scan_u32(native->primitives, &native->first_blocks, &native->first_blocks, chunks + 1,
                        NULL));
-    BB_TRY(bb_buffer_read(&native->inner, total, sizeof(uint32_t), &native->node_count));
+    native->node_count = nodes - tree->info.leaf_count;
     return bb_buffer_read(&native->first_blocks, total, sizeof(uint32_t), &native->block_count);
 }
 
@@ -98,9 +98,13 @@ bb_status bb_wide_native_number(bb_wide_native *native, const bb_layout_source *
                      BB_VALUE(ends), BB_VALUE(scale), BB_VALUE(format), BB_VALUE(words),
                      BB_VALUE(fresh), BB_VALUE(records), BB_VALUE(chunk), BB_MEM(native->inner),
                      BB_MEM(native->first_blocks), BB_MEM(native->links), BB_MEM(*blocks)));
-    return source->same_links ? BB_OK
-                              : bb_buffer_read(&native->links, info->root * sizeof(uint32_t),
-                                               sizeof(uint32_t), &native->root);
+    if (source->same_links)
+        return BB_OK;
+    native->root = 0; /* of inner nodes, the first in memory; reading a link would wait for it */
+    return info->root == 0 && native->node_count > 0
+               ? BB_OK
+               : bb_buffer_read(&native->links, info->root * sizeof(uint32_t), sizeof(uint32_t),
+                                &native->root);
 }
 
 bb_status bb_wide_native_nodes(bb_wide_native *native, const bb_layout_source *source, bool single,

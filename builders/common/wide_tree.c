@@ -1,6 +1,7 @@
 #include "builders/common/wide_tree.h"
 
 #include "builders/common/wide_tree_shared.h"
+#include "framework/base/arithmetic.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -8,7 +9,9 @@
 enum {
     GROUP_SIZE = 64,
     ITEMS_MAX = 1024,    /* on CPUs: items among which cores share the work ... */
-    ITEMS_PER_UNIT = 32, /* ... none of them much of it */
+    ITEMS_PER_UNIT = 32, /* ... none of them much of it, ... */
+    SHARE_LEAST = 1024,  /* ... but so many keys, since it takes time to start an item */
+    ITEMS_PER_SHARE = 16,
     TURNS = 32,
     LEVEL_ITEMS = 1 << 14, /* on GPUs: work-items that share a level */
     LEVELS_AT_ONCE = 8,    /* enqueued before asking whether there is a further level */
@@ -118,16 +121,19 @@ static bb_status make_depth_first(bb_wide_tree *wide, const bb_buffer *keys,
                                   const bb_buffer *values, const bb_buffer *boxes, uint32_t count,
                                   bb_tree *tree)
 {
-    const uint32_t leaf = wide->leaf, most = ITEMS_MAX, turns = TURNS,
-                   share = count / (wide->device->compute_units * ITEMS_PER_UNIT);
+    const uint32_t leaf = wide->leaf, turns = TURNS,
+                   even = count / (wide->device->compute_units * ITEMS_PER_UNIT),
+                   share = even > SHARE_LEAST ? even : SHARE_LEAST,
+                   wanted = bb_divide_up(count / share * ITEMS_PER_SHARE + 1, TURNS) * TURNS,
+                   most = wanted < ITEMS_MAX ? wanted : ITEMS_MAX;
     BB_TRY(bb_launch(wide->device, wide->top, 1, 1, BB_MEM(*keys), BB_MEM(*values), BB_MEM(*boxes),
                      BB_VALUE(count), BB_VALUE(leaf), BB_VALUE(share), BB_VALUE(most),
                      BB_MEM(tree->d_nodes), BB_MEM(tree->d_refs), BB_MEM(tree->d_info),
                      BB_MEM(wide->items[0]), BB_MEM(wide->levels), BB_MEM(wide->counts)));
-    BB_TRY(bb_launch(wide->device, wide->cut, ITEMS_MAX, 1, BB_MEM(*keys), BB_VALUE(count),
+    BB_TRY(bb_launch(wide->device, wide->cut, most, 1, BB_MEM(*keys), BB_VALUE(count),
                      BB_VALUE(leaf), BB_VALUE(turns), BB_MEM(wide->items[0]), BB_MEM(wide->levels),
                      BB_MEM(wide->cuts), BB_MEM(wide->counts)));
-    BB_TRY(bb_launch(wide->device, wide->below, ITEMS_MAX, 1, BB_MEM(*values), BB_MEM(*boxes),
+    BB_TRY(bb_launch(wide->device, wide->below, most, 1, BB_MEM(*values), BB_MEM(*boxes),
                      BB_VALUE(leaf), BB_VALUE(turns), BB_MEM(tree->d_nodes), BB_MEM(tree->d_refs),
                      BB_MEM(tree->d_info), BB_MEM(wide->items[0]), BB_MEM(wide->levels),
                      BB_MEM(wide->cuts), BB_MEM(wide->counts)));

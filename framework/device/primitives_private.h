@@ -17,6 +17,7 @@ typedef struct sort_kernels {
     cl_kernel scatter;
     cl_kernel choose;  /* CPU form */
     cl_kernel buckets; /* CPU form */
+    cl_kernel alone;   /* CPU form */
 } sort_kernels;
 
 struct bb_primitives {

@@ -16,7 +16,8 @@
 enum {
     DIGIT_BITS_CPU = 8, /* for passes over all keys */
     TOP_BITS = 12,      /* of the highest digit */
-    TILE = 8192, /* places whose buckets one work-item sorts: many fit the second-level cache */
+    TILE = 8192,  /* places whose buckets one work-item sorts: many fit the second-level cache */
+    ALONE = 8192, /* pairs that one unit sorts faster than several launches take */
     BUCKET_SMALL = 16384, /* pairs that one unit sorts faster than several units start */
     PASSES_MAX = 16,
 };
@@ -29,7 +30,8 @@ bb_status bb_primitives_create_sort(bb_primitives *self, const char *key, sort_k
     if (self->gpu)
         return BB_OK;
     BB_TRY(bb_kernel_get(sort->program, "sort_choose", &sort->choose));
-    return bb_kernel_get(sort->program, "sort_buckets", &sort->buckets);
+    BB_TRY(bb_kernel_get(sort->program, "sort_buckets", &sort->buckets));
+    return bb_kernel_get(sort->program, "sort_alone", &sort->alone);
 }
 
 void bb_primitives_destroy_sort(sort_kernels *sort)
@@ -38,6 +40,7 @@ void bb_primitives_destroy_sort(sort_kernels *sort)
     bb_kernel_release(sort->scatter);
     bb_kernel_release(sort->choose);
     bb_kernel_release(sort->buckets);
+    bb_kernel_release(sort->alone);
     bb_program_release(sort->program);
 }
 
@@ -145,23 +148,22 @@ static bb_status sort_by_passes(bb_primitives *self, const sort_kernels *kernels
 
 /* Sorts `scratch`, which is in the order of its `buckets` buckets, into `place`. */
 static bb_status sort_buckets(bb_primitives *self, const sort_kernels *kernels, pairs place,
-                              pairs scratch, uint32_t count, uint32_t buckets, uint32_t only)
+                              pairs scratch, uint32_t count, uint32_t buckets)
 {
     uint32_t chunks = cut_sort(self, count).count, tile = TILE;
     return bb_launch(self->device, kernels->buckets, bb_divide_up(count, TILE), 1,
                      BB_MEM(*scratch.keys), BB_MEM(*scratch.values), BB_VALUE(count),
                      BB_VALUE(tile), BB_MEM(self->counts), BB_VALUE(chunks), BB_VALUE(buckets),
-                     BB_VALUE(only), BB_MEM(self->way), BB_MEM(*place.keys), BB_MEM(*place.values));
+                     BB_MEM(self->way), BB_MEM(*place.keys), BB_MEM(*place.values));
 }
 
 static bb_status sort_by_buckets(bb_primitives *self, const sort_kernels *kernels, pairs place,
-                                 pairs scratch, uint32_t count, uint32_t bits, uint32_t key_bytes)
+                                 pairs scratch, uint32_t count, uint32_t bits)
 {
-    if (count <= TILE) {
-        BB_TRY(bb_buffer_copy(place.keys, &self->keys, (size_t)count * key_bytes));
-        BB_TRY(bb_buffer_copy(place.values, &self->values, count * sizeof(uint32_t)));
-        return sort_buckets(self, kernels, place, scratch, count, 0, SORT_ANY);
-    }
+    if (count <= ALONE)
+        return bb_launch(self->device, kernels->alone, 1, 1, BB_MEM(*place.keys),
+                         BB_MEM(*place.values), BB_VALUE(count), BB_MEM(*scratch.keys),
+                         BB_MEM(*scratch.values));
     uint32_t top_bits = bits < TOP_BITS ? bits : TOP_BITS;
     sort_pass top = {bits - top_bits, (1u << top_bits) - 1, SORT_ANY};
     uint32_t chunks = cut_sort(self, count).count, buckets = top.mask + 1;
@@ -173,7 +175,7 @@ static bb_status sort_by_buckets(bb_primitives *self, const sort_kernels *kernel
                      BB_MEM(self->way)));
     top.only = SORT_BUCKETS;
     BB_TRY(scatter(self, kernels, top, count, place, scratch));
-    BB_TRY(sort_buckets(self, kernels, place, scratch, count, buckets, SORT_BUCKETS));
+    BB_TRY(sort_buckets(self, kernels, place, scratch, count, buckets));
     return count > small_enough ? sort_by_passes(self, kernels, place, scratch, count, bits)
                                 : BB_OK;
 }
@@ -194,7 +196,7 @@ static bb_status sort(bb_primitives *self, bb_buffer *keys, bb_buffer *values, u
     pairs place = {keys, values}, scratch = {&self->keys, &self->values};
     if (self->gpu)
         return sort_by_passes(self, kernels, place, scratch, count, bits);
-    return sort_by_buckets(self, kernels, place, scratch, count, bits, key_bytes);
+    return sort_by_buckets(self, kernels, place, scratch, count, bits);
 }
 
 bb_status bb_sort_u32(bb_primitives *primitives, bb_buffer *keys, bb_buffer *values, uint32_t count,
