@@ -265,6 +265,8 @@ static void add_timing(bb_build_timing *sum, const bb_build_timing *more)
     sum->timing.ms += more->timing.ms;
     sum->timing.cpu_ms += more->timing.cpu_ms;
     sum->timing.event_ms += more->timing.event_ms;
+    sum->timing.launches += more->timing.launches;
+    sum->timing.waits += more->timing.waits;
     sum->restore_ms += more->restore_ms;
     sum->outside_ms += more->outside_ms;
 }

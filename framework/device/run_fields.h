@@ -44,6 +44,8 @@ RUN(PROGRAMS, "programs", "", NUMBER, EXACT, AS_WHOLE, 0, "Programs compiled",
     "programs of device code")
 RUN(COMPILE, "compile_ms", "ms", NUMBER, TIMED, AS_FIGURE, -1, "Compiling",
     "wall time of the driver's compiler, without what it leaves for first launches")
+RUN(LAUNCH, "launch_us", "us", NUMBER, TIMED, AS_FIGURE, -1, "Empty launch",
+    "Of a kernel that does nothing, enqueued among others.")
 RUN(CACHE, "kernel_cache", "", TEXT, EXACT, AS_TEXT, 0, "Kernel cache",
     "cold: compiled again, the slowest program takes less than a third of the time; warm: it does "
     "not, so it came from the driver's cache, or there is none")
@@ -57,6 +59,8 @@ RUN(SHARD, "shard", "", TEXT, EXACT, AS_TEXT, 0, "Shard", "which part of the cel
 RUN(SHARD_OF, "shard_of", "", TEXT, EXACT, AS_TEXT, 0, "Shard of", "Hash of the whole request.")
 RUN(SHARDS, "shards", "", TEXT, EXACT, AS_TEXT, 0, "Merged from",
     "shards of one run, with their hosts")
+RUN(REDUCED_TO, "reduced_to", "", TEXT, EXACT, AS_TEXT, 0, "Reduced to",
+    "To keep the time of --time.")
 RUN(SETS, "planned_sets", "", NUMBER, EXACT, AS_WHOLE, 0, "Planned ray sets",
     "To be traced, by scenes, views and workloads.")
 RUN(CELLS, "planned_cells", "", NUMBER, EXACT, AS_WHOLE, 0, "Planned cells",

@@ -139,6 +139,10 @@ FIELD(BUILD_LAYOUTS_MS, BUILD, "layout_ms", "ms", PARTS | ROUNDS, BY(bb_put_layo
 FIELD(BUILD_LAYOUTS_SAH, BUILD, "layout_sah", "", PARTS | NUMBER, LATER, AS_PAIRS, "Layouts SAH",
       NULL)
 FIELD(BUILD_LAYOUTS_BYTES, BUILD, "layout_bytes", "B", PARTS | NUMBER, LATER, AS_PAIRS, NULL, NULL)
+FIELD(BUILD_LAYOUTS_LAUNCHES, BUILD, "first_ray_launches", "", PARTS | NUMBER, LATER, AS_PAIRS,
+      "Launches", "kernels, copies and fills that build and layout enqueue, by layout")
+FIELD(BUILD_LAYOUTS_FLOOR, BUILD, "first_ray_floor_ms", "ms", PARTS | NUMBER, LATER, AS_PAIRS,
+      "Launch floor ms", "what these launches take if they do nothing, by layout")
 FIELD(BUILD_FIRST_RAY, BUILD, "first_ray_ms", "ms", PARTS | DERIVED, LATER, AS_PAIRS,
       "First ray ms",
       "what the first ray waits for, by layout: boxes, build, transfer and that layout")

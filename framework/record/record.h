@@ -41,12 +41,14 @@ typedef struct bb_build_record {
     bb_samples cpu_ms;
     bb_samples restore_ms; /* restoring of the builder's input before each build; no part of it */
     bb_samples outside_ms; /* time of phases outside the clock */
-    bb_samples unseen_ms;  /* builds of inputs that it had not seen; no round of its own */
-    bool remembers;        /* these took long, each beside a build of what it had seen */
-    double prepare_ms;     /* preparation before the first build; NAN: not measured */
-    double boxes_ms;       /* making of the boxes, if the builder reads them; NAN: not measured */
-    char inputs[64];       /* what the builder declares it reads: "boxes geometry"; "": not known */
-    char handover[8];      /* bb_handover_word() of a builder on a device; "": on the host */
+    uint32_t launches; /* kernels, copies and fills that a build enqueues; 0: none, on the host */
+    double launch_us;  /* time of an empty launch */
+    bb_samples unseen_ms; /* builds of inputs that it had not seen; no round of its own */
+    bool remembers;       /* these took long, each beside a build of what it had seen */
+    double prepare_ms;    /* preparation before the first build; NAN: not measured */
+    double boxes_ms;      /* making of the boxes, if the builder reads them; NAN: not measured */
+    char inputs[64];      /* what the builder declares it reads: "boxes geometry"; "": not known */
+    char handover[8];     /* bb_handover_word() of a builder on a device; "": on the host */
     double cold_ms;
     bb_samples transfer_ms; /* download of the declared inputs and upload of the tree */
     uint32_t phase_count;
@@ -71,6 +73,7 @@ typedef struct bb_build_record {
         bb_samples ms;
         double sah;
         uint64_t bytes;
+        uint32_t launches; /* that make it */
     } layouts[BB_LAYOUTS_MAX];
     bool has_tree;
     bb_tree_info tree;

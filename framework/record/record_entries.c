@@ -152,6 +152,9 @@ void bb_put_layouts(const bb_put *p)
         bb_put_rounds(part, BB_F_BUILD_LAYOUTS_MS, &build->layouts[i].ms);
         bb_put_number(part, BB_F_BUILD_LAYOUTS_SAH, build->layouts[i].sah);
         bb_put_number(part, BB_F_BUILD_LAYOUTS_BYTES, known(build->layouts[i].bytes));
+        const uint32_t launches = build->launches + build->layouts[i].launches;
+        bb_put_number(part, BB_F_BUILD_LAYOUTS_LAUNCHES, known(launches));
+        bb_put_number(part, BB_F_BUILD_LAYOUTS_FLOOR, known(launches) * build->launch_us / 1e3);
     }
 }
 

@@ -61,6 +61,7 @@ static void put_trace(const line *l, const bb_entry *trace)
         put_field(l, bb_fields[of_build[i]].part == BB_IN_TREE ? "tree_" : "", build, of_build[i]);
     put(l, "", "layout_ms", NULL, bb_get_named(build, BB_F_BUILD_LAYOUTS_MS, layout));
     put(l, "", "first_ray_ms", NULL, bb_first_ray_ms(build, layout));
+    put(l, "", "first_ray_floor_ms", NULL, bb_get_named(build, BB_F_BUILD_LAYOUTS_FLOOR, layout));
     for (uint32_t i = 0; i < bb_metric_count(); i++)
         put(l, "tree_", bb_metrics[i]->name, NULL, bb_get_metric(build, bb_metrics[i]));
 }

@@ -179,6 +179,8 @@ static void begin_layouts(bb_page *page)
     bb_page_column(page, "Layout", "", "", 0);
     bb_page_column(page, "Layout ms", "", "", -1);
     bb_page_column(page, "First ray", "", "", -1);
+    bb_page_column(page, "Launches", "", "", 0);
+    bb_page_column(page, "Launch floor", "", "", -1);
 }
 
 static void add_layouts(bb_page *page, const bb_section *builds, const char *scene)
@@ -195,6 +197,8 @@ static void add_layouts(bb_page *page, const bb_section *builds, const char *sce
         bb_page_put_text(page, bb_part_name(layout));
         put_number(page, bb_get_number(layout, BB_F_BUILD_LAYOUTS_MS));
         put_number(page, bb_first_ray_ms(build, bb_part_name(layout)));
+        put_number(page, bb_get_number(layout, BB_F_BUILD_LAYOUTS_LAUNCHES));
+        put_number(page, bb_get_number(layout, BB_F_BUILD_LAYOUTS_FLOOR));
     }
 }
 

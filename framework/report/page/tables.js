@@ -145,7 +145,7 @@ function buildTable() {
     field('build', 'first_ray_ms', { text: b => b.reference ? figure(b.build_ms_median) : pairs(b.first_ray_ms) }),
     ...(builds.some(b => b.stage_ms) ? [...fields('build', ['stage_ms', 'stage_sah']),
       field('build', 'stage_bytes_peak', { text: b => bytePairs(b.stage_bytes_peak) }),
-      ...minor([field('build', 'stage_bytes', { text: b => bytePairs(b.stage_bytes) })])] : []), ...minor(fields('build', ['phase_ms', 'layout_sah', 'parameter'])),
+      ...minor([field('build', 'stage_bytes', { text: b => bytePairs(b.stage_bytes) })])] : []), ...minor(fields('build', ['first_ray_launches', 'first_ray_floor_ms', 'phase_ms', 'layout_sah', 'parameter'])),
     ...(builds.some(b => b.about) ? [field('build', 'about', { wide: true })] : []),
     ...minor([field('build', 'cell', { wide: true })]),
     field('build', 'status', { text: statusText, wide: true, css: b => b.status === 'ok' ? '' : 'odd' }),
