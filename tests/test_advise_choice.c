@@ -310,6 +310,31 @@ static void kinds_are_counted(void **state)
     assert_int_equal(bb_kinds_in("triangles+spheres+boxes"), 3);
 }
 
+/* What is not for the scene to choose stays. */
+static void generous_settings_keep_the_rest(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *own, *generous;
+    } cases[] = {{"lbvh", "lbvh:bits=63"},
+                 {"lbvh:bits=auto", "lbvh:bits=63"},
+                 {"lbvh:arity=8,bits=auto", "lbvh:bits=63,arity=8"},
+                 {"emc:code=emc64-cell,bits=auto,size-bits=auto",
+                  "emc:bits=64,size-bits=24,code=emc64-cell"},
+                 {"lbvh:arity=8,bits=63", NULL}, /* it has them */
+                 {"sah", NULL},
+                 {"presplit+lbvh", NULL}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char text[128];
+        const bool has = bb_generous_builder(cases[i].own, text, sizeof text);
+        assert_int_equal(has, cases[i].generous != NULL);
+        if (has)
+            assert_string_equal(text, cases[i].generous);
+    }
+    char narrow[16];
+    assert_false(bb_generous_builder("lbvh:arity=8", narrow, sizeof narrow));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -323,6 +348,7 @@ int main(void)
         cmocka_unit_test(the_least_of_the_fast_is_chosen),
         cmocka_unit_test(the_fastest_is_so_round_by_round),
         cmocka_unit_test(kinds_are_counted),
+        cmocka_unit_test(generous_settings_keep_the_rest),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -17,6 +17,7 @@ static const bb_variants variants[] = {
     {BB_FOR_ALL, BB_ROLE_USUAL, "lbvh"},
     {BB_FOR_ALL, BB_ROLE_VOLUMES, "lbvh"},
     {BB_FOR_ALL, BB_ROLE_MESHES, "lbvh"},
+    {BB_FOR_ALL, BB_ROLE_TRIED, "lbvh:arity=8"},
     {BB_FOR_ALL, BB_ROLE_LEAST, "lbvh:bits=auto"},
     {BB_FOR_ALL, BB_ROLE_GENEROUS, "lbvh:bits=63"},
     {0},

@@ -54,6 +54,7 @@ bb_status bb_tried_builders(bb_tried *list)
         if (builder->variants == NULL && !stage)
             BB_TRY(bb_tried_add(list, builder->name));
         BB_TRY(add_list(list, bb_builder_variants(builder, BB_ROLE_COMPARED)));
+        BB_TRY(add_list(list, bb_builder_variants(builder, BB_ROLE_TRIED)));
         BB_TRY(add_list(list, bb_builder_variants(builder, BB_ROLE_LEAST)));
     }
     return BB_OK;
@@ -123,10 +124,25 @@ size_t bb_tried_careful(const bb_tried *intersectors)
     return careful;
 }
 
-const char *bb_generous_builder(const char *builder)
+bool bb_generous_builder(const char *builder, char *text, size_t capacity)
 {
     bb_pipeline pipeline;
+    bb_spec own, generous;
     if (bb_pipeline_parse(builder, &pipeline) != BB_OK || pipeline.count != 1)
-        return NULL;
-    return bb_builder_variants(pipeline.stages[0].builder, BB_ROLE_GENEROUS);
+        return false;
+    const char *declared = bb_builder_variants(pipeline.stages[0].builder, BB_ROLE_GENEROUS);
+    if (declared == NULL || bb_spec_parse(declared, &generous) != BB_OK ||
+        bb_spec_parse(builder, &own) != BB_OK)
+        return false;
+    bool has_them = true;
+    for (uint32_t i = 0; i < generous.param_count; i++)
+        has_them = has_them && bb_spec_is(&own, NULL, generous.keys[i], generous.values[i]);
+    size_t length = (size_t)snprintf(text, capacity, "%s", declared);
+    for (uint32_t i = 0; i < own.param_count && length < capacity; i++)
+        if (strcmp(own.values[i], "auto") != 0 &&
+            bb_spec_value(&generous, NULL, own.keys[i]) == NULL)
+            length +=
+                (size_t)snprintf(text + length, capacity - length, "%c%s=%s",
+                                 strchr(text, ':') != NULL ? ',' : ':', own.keys[i], own.values[i]);
+    return length < capacity && !has_them;
 }

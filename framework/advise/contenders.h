@@ -46,8 +46,9 @@ uint32_t bb_intersector_doubt(const char *intersector);
  * kernel is blamed for an intersector's errors. */
 size_t bb_tried_careful(const bb_tried *intersectors);
 
-/* Returns the variant that a builder declares as enough for any scene. NULL: it declares none, or
- * is a pipeline of stages. */
-const char *bb_generous_builder(const char *builder);
+/* Writes the specification with the settings that the builder declares as enough for any scene, and
+ * its own in all else that is not `auto`. Returns false if the builder declares none, or has them,
+ * or is a pipeline of stages, or `capacity` is too small. */
+bool bb_generous_builder(const char *builder, char *text, size_t capacity);
 
 #endif

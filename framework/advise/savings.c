@@ -35,8 +35,9 @@ static bb_saving *add(bb_advice *advice, const char *what)
 
 static void add_builder(bb_advice *advice)
 {
-    const char *own = advice->field.who[advice->choice].builder, *other = bb_generous_builder(own);
-    if (other == NULL || strcmp(other, own) == 0)
+    const char *own = advice->field.who[advice->choice].builder;
+    char other[sizeof advice->savings[0].builder];
+    if (!bb_generous_builder(own, other, sizeof other))
         return;
     bb_saving *s = add(advice, "builder");
     snprintf(s->builder, sizeof s->builder, "%s", other);

@@ -12,9 +12,7 @@ enum { BB_FOR_CPU = 1u << 0, BB_FOR_GPU = 1u << 1, BB_FOR_ALL = BB_FOR_CPU | BB_
 
 /* Roles of builders and kernels. */
 #define BB_ROLE_COMPARED "compared" /* The variants are measured against others. */
-
-/* Role of kernels: `advise` tries the variants besides those that are compared. */
-#define BB_ROLE_TRIED "tried"
+#define BB_ROLE_TRIED "tried"       /* `advise` tries the variants besides those. */
 
 /* Roles of builders. */
 #define BB_ROLE_LEAST "least"             /* The variants take no more than the scene needs. */
@@ -36,9 +34,9 @@ enum { BB_FOR_CPU = 1u << 0, BB_FOR_GPU = 1u << 1, BB_FOR_ALL = BB_FOR_CPU | BB_
 
 /* All roles that a builder may have. */
 #define BB_BUILDER_ROLES                                                                           \
-    BB_ROLE_COMPARED, BB_ROLE_LEAST, BB_ROLE_GENEROUS, BB_ROLE_MOVING, BB_ROLE_STRESSED,           \
-        BB_ROLE_VOLUMES, BB_ROLE_MESHES, BB_ROLE_MESHES_LONG, BB_ROLE_YARDSTICK, BB_ROLE_USUAL,    \
-        BB_ROLE_COST_REFERENCE
+    BB_ROLE_COMPARED, BB_ROLE_TRIED, BB_ROLE_LEAST, BB_ROLE_GENEROUS, BB_ROLE_MOVING,              \
+        BB_ROLE_STRESSED, BB_ROLE_VOLUMES, BB_ROLE_MESHES, BB_ROLE_MESHES_LONG, BB_ROLE_YARDSTICK, \
+        BB_ROLE_USUAL, BB_ROLE_COST_REFERENCE
 
 typedef struct bb_variants {
     uint32_t devices; /* on which they are used; 0 ends the table */
