@@ -337,6 +337,28 @@ static void edit_gpu_more_cpu(bb_results *r)
     set_context(r, BB_F_CONTEXT_DEVICE_TYPE, "GPU");
 }
 
+/* Fails in one of the pairs, and takes more time in all. */
+static void edit_more_cpu_one_failed(bb_results *r)
+{
+    static uint32_t pair;
+    edit_more_cpu(r);
+    if (pair++ % PAIRS == 5)
+        edit_failed(r);
+}
+
+static void edit_restless_cpu(bb_results *r)
+{
+    static uint32_t pair;
+    bb_samples rounds;
+    if (pair++ % 2 != 0)
+        return;
+    const int traces = (int)bb_section_count(bb_results_section(r, BB_TRACES));
+    for (int i = 0; i < traces; i++)
+        if (bb_get_samples(trace_at(r, i), BB_F_TRACE_CPU_MS, &rounds))
+            scale_ms(trace_at(r, i), BB_F_TRACE_CPU_MS, 1.5);
+    scale_ms(build_at(r, 3), BB_F_BUILD_CPU_SAMPLES, 1.5);
+}
+
 /* Pairs see processor time, beside wall time. */
 static void pairs_see_the_processors_time(void **state)
 {
@@ -350,6 +372,7 @@ static void pairs_see_the_processors_time(void **state)
         {edit_build_more_cpu, 1, "build CPU ms"},
         {edit_slower, 1, "trace ms"},
         {edit_gpu_more_cpu, 0, "nothing is worse"},
+        {edit_more_cpu_one_failed, 1, " status  ok      failed "}, /* and not twice */
     };
     static char text[1 << 20];
     bb_comparison_result r;
@@ -360,6 +383,26 @@ static void pairs_see_the_processors_time(void **state)
                      cases[i].words, text);
         bb_compare_free(&r);
     }
+}
+
+/* Processor time has a floor of its own, and a cell with both times one sight. */
+static void floors_and_sights_of_the_processors_time(void **state)
+{
+    (void)state;
+    static char text[1 << 20];
+    bb_comparison_result r;
+    ASSERT_OK(compare_pairs(edit_restless_cpu, 1, EACH, &r, text, sizeof text));
+    if (!(r.floor.share < 0.05 && r.floor.clocks > 0.15))
+        fail_msg("floors %g, %g", r.floor.share, r.floor.clocks);
+    assert_true(r.clocks > 2);
+    assert_int_equal(r.worse, 0);
+    assert_non_null(strstr(text, " and processor times of "));
+    for (uint32_t i = 0; i < r.sight_count; i++) {
+        assert_false(bb_is_clock(r.sights[i].cell->key)); /* of these, wall time shows more */
+        for (uint32_t j = 0; j < i; j++)
+            assert_string_not_equal(r.sights[i].cell->key, r.sights[j].cell->key);
+    }
+    bb_compare_free(&r);
 }
 
 static void senses_of_figures(void **state)
@@ -400,6 +443,7 @@ int main(void)
         cmocka_unit_test(worst_comes_first_and_markdown_holds),
         cmocka_unit_test(any_pair_that_counts_decides),
         cmocka_unit_test(pairs_see_the_processors_time),
+        cmocka_unit_test(floors_and_sights_of_the_processors_time),
         cmocka_unit_test(texts_of_files_are_no_markup),
         cmocka_unit_test(senses_of_figures),
     };

@@ -109,12 +109,14 @@ static void add_origin(const bb_table *from, uint32_t run, bb_origin *origin)
         {"embree_version", origin->embree, sizeof origin->embree},
         {"seed", origin->seed, sizeof origin->seed},
         {"shard", origin->shard, sizeof origin->shard},
+        {"reduced_to", origin->reduced_to, sizeof origin->reduced_to},
         {"governor", origin->governor, sizeof origin->governor},
         {"smt", origin->smt, sizeof origin->smt},
         {"boost", origin->boost, sizeof origin->boost},
         {"processors", origin->processors, sizeof origin->processors},
     };
     const char *date = bb_table_get_text(from, run, "date");
+    origin->has_reduced_to = true;
     for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++)
         add_text(texts[i].to, texts[i].capacity, bb_table_get_text(from, run, texts[i].column));
     if (strcmp(date, origin->date) > 0)
@@ -210,6 +212,15 @@ static bb_status add_fields(const source *s, uint32_t row, const bb_field_id *fi
 bool bb_is_clock(const char *key)
 {
     return strstr(key, BB_KEY_OF_CLOCK) != NULL;
+}
+
+void bb_wall_key(const char *key, char wall[BB_CELL_KEY])
+{
+    const char *clock = strstr(key, BB_KEY_OF_CLOCK);
+    const size_t before = clock != NULL ? (size_t)(clock - key) : strlen(key);
+    const size_t value = clock != NULL ? sizeof BB_KEY_OF_CLOCK - 1 : 0;
+    const char *behind = key + before + value;
+    snprintf(wall, BB_CELL_KEY, "%.*s%s", (int)before, key, behind + strcspn(behind, "/"));
 }
 
 /* Adds a cell of the processor's time, if it is a figure of its own: that of a GPU's host says

@@ -40,6 +40,8 @@ typedef struct bb_origin {
         seed[24];
     char device_type[16]; /* BB_DEVICE_CPU ...; "": no device of ours */
     char shard[24];       /* "2/8"; "" for a whole run */
+    char reduced_to[160]; /* to keep a time, in words; "": not */
+    bool has_reduced_to;  /* that is known: a history does not keep it */
     char governor[64], smt[8], boost[8], processors[256]; /* as in framework/device/processors.h */
     /* share of the processors that other programs kept at work, the most of all runs */
     double busy;
@@ -68,6 +70,8 @@ bb_status bb_cell_set_of_table(const bb_table *table, const char *what, bb_cell_
 bb_status bb_cell_set_of_pair(const bb_table *table, const char *what, bb_cell_set *set);
 /* Returns whether it is such a cell. */
 bool bb_is_clock(const char *key);
+/* Writes the key of the cell whose processor time it is; of other cells, the key itself. */
+void bb_wall_key(const char *key, char wall[BB_CELL_KEY]);
 
 /* Appends an empty cell with this key, made canonical: a parameter that the key's program did not
  * have yet gets its default here. `*cell` is valid until the next call. */

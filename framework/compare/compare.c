@@ -176,6 +176,14 @@ static void time_pairs(const bb_comparison_result *result, timing *t, bb_family_
     t->to = bb_samples_median(&to);
 }
 
+/* Returns the effect that a time has against itself: of the typical cell, or its own if it is
+ * more. */
+static double floor_of(const bb_comparison_result *result, const timing *t)
+{
+    const bb_floor *floor = &result->floor;
+    return fmax(bb_is_clock(t->before->key) ? floor->clocks : floor->share, t->own); /* NAN: none */
+}
+
 /* Decides by the rule of README.md whether the time moved. */
 static bb_status judge_time(bb_comparison_result *result, const timing *t, const bb_family_row *row)
 {
@@ -186,7 +194,7 @@ static bb_status judge_time(bb_comparison_result *result, const timing *t, const
         return BB_OK;
     }
     double p = slower ? row->p_up : row->p_down;
-    double floor = fmax(result->floor.share, t->own); /* fmax() ignores a NAN */
+    double floor = floor_of(result, t);
     if (!bb_effect_excludes_one(e) || !(expm1(fabs(log(e->ratio))) > floor) || p > BB_COMPARE_LEVEL)
         return BB_OK;
     bb_change move = start_move(t->before, t->after, t->before->time);
@@ -216,7 +224,30 @@ static double least_seen(const bb_comparison_result *result, const timing *t, do
     const double interval = e->ratio / e->low; /* of an effect of 1, the interval is as wide */
     if (!isfinite(e->low))
         return INFINITY;
-    return fmax(fmax(result->floor.share, t->own), fmax(interval - 1, expm1(shift)));
+    return fmax(floor_of(result, t), fmax(interval - 1, expm1(shift)));
+}
+
+static int by_wall_key(const void *left, const void *right)
+{
+    char keys[2][BB_CELL_KEY];
+    bb_wall_key(((const bb_sight *)left)->cell->key, keys[0]);
+    bb_wall_key(((const bb_sight *)right)->cell->key, keys[1]);
+    return strcmp(keys[0], keys[1]);
+}
+
+/* Makes one sight of those of a cell's wall time and processor time: the better one. */
+static void unite_clocks(bb_comparison_result *result)
+{
+    bb_sight *sights = result->sights;
+    uint32_t kept = 0;
+    qsort(sights, result->sight_count, sizeof *sights, by_wall_key);
+    for (uint32_t i = 0; i < result->sight_count; i++)
+        if (kept > 0 && by_wall_key(&sights[kept - 1], &sights[i]) == 0)
+            sights[kept - 1] =
+                blindest_first(&sights[kept - 1], &sights[i]) < 0 ? sights[i] : sights[kept - 1];
+        else
+            sights[kept++] = sights[i];
+    result->sight_count = kept;
 }
 
 static bb_status take_sights(bb_comparison_result *result, const timing *timings,
@@ -231,8 +262,10 @@ static bb_status take_sights(bb_comparison_result *result, const timing *timings
         if (!timings[i].before->reference && !timings[i].after->reference)
             result->sights[result->sight_count++] =
                 (bb_sight){timings[i].before, least_seen(result, &timings[i], shifts[i])};
-    if (status == BB_OK)
+    if (status == BB_OK) {
+        unite_clocks(result);
         qsort(result->sights, result->sight_count, sizeof *result->sights, blindest_first);
+    }
     free(shifts);
     return status;
 }
@@ -276,7 +309,8 @@ static bb_status compare_times(bb_comparison_result *result, timing *timings, ui
         status = judge_time(result, &timings[i], &rows[i]);
     if (status == BB_OK)
         status = take_sights(result, timings, rows, count);
-    result->timed = count;
+    for (uint32_t i = 0; i < count; i++)
+        *(bb_is_clock(timings[i].before->key) ? &result->clocks : &result->timed) += 1;
     free(rows);
     return status;
 }
@@ -287,7 +321,7 @@ static bb_status set_floor(bb_comparison_result *result, double threshold, const
 {
     bb_floor *floor = &result->floor;
     if (isfinite(threshold)) {
-        *floor = (bb_floor){.share = threshold, .from = "--threshold"};
+        *floor = (bb_floor){.share = threshold, .clocks = threshold, .from = "--threshold"};
         result->given = true;
         return BB_OK;
     }
@@ -303,6 +337,8 @@ static bb_status set_floor(bb_comparison_result *result, double threshold, const
                        "can be told: measure on a quiet machine, with more --rounds or --repeats, "
                        "or say what counts with --threshold",
                        100 * floor->share, floor->from);
+    if (!isfinite(floor->clocks))
+        floor->clocks = isfinite(floor->share) ? floor->share : BB_COMPARE_FLOOR_UNKNOWN;
     if (isfinite(floor->share))
         return BB_OK;
     floor->share = BB_COMPARE_FLOOR_UNKNOWN;
@@ -350,10 +386,23 @@ static bool same_inputs(const bb_comparison_result *result, const bb_measured *l
     return true;
 }
 
+/* Returns whether the cell whose processor time it is has not failed in any run. If it has, that is
+ * said of the cell itself. */
+static bool may_be_timed(const bb_comparison_result *result, const char *key)
+{
+    char wall[BB_CELL_KEY];
+    bb_wall_key(key, wall);
+    const bb_measured *before = bb_side_find(&result->before, wall);
+    const bb_measured *after = bb_side_find(&result->after, wall);
+    return before != NULL && after != NULL && is_ok(before) && is_ok(after);
+}
+
 static bb_status compare_cell(bb_comparison_result *result, const bb_measured *before,
                               const bb_measured *after, timing *timings, uint32_t *count)
 {
     bool both_ok;
+    if (bb_is_clock(before->key) && !may_be_timed(result, before->key))
+        return BB_OK;
     if (!same_inputs(result, before)) {
         result->unlike += !bb_is_clock(before->key);
         return BB_OK;

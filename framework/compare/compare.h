@@ -50,7 +50,8 @@ typedef struct bb_cell_floor {
 /* The effect of a program against itself, as a share: 0.02 is 2 %. */
 typedef struct bb_floor {
     double share;       /* NAN: there is none */
-    uint32_t cells;     /* cells from which it was taken */
+    double clocks;      /* of pairs: of their processor time; NAN: there is none */
+    uint32_t cells;     /* cells from which the share was taken */
     char from[200];     /* its origin, in words */
     bb_cell_floor *own; /* of separate runs: sorted by key once finished; NULL: not known */
     uint32_t own_count, own_capacity;
@@ -79,7 +80,9 @@ typedef struct bb_change {
 /* What the comparison could have seen of a cell. */
 typedef struct bb_sight {
     const bb_measured *cell;
-    double least; /* the least slowing that the rule would have found, as a share; INFINITY: none */
+    /* the least slowing that the rule would have found, as a share; INFINITY: none. In pairs a
+     * slowing of wall time and processor time alike, by whichever shows it better */
+    double least;
 } bb_sight;
 
 typedef struct bb_comparison_result {
@@ -89,6 +92,7 @@ typedef struct bb_comparison_result {
     bb_floor floor;
     uint32_t common; /* cells in both */
     uint32_t timed;  /* common cells whose times could be compared */
+    uint32_t clocks; /* of pairs: those whose processor time could be compared, too */
     uint32_t untold; /* timed cells with too few rounds for an interval */
     uint32_t unlike; /* common cells with other geometry or rays; they are not compared */
     uint32_t faulty; /* common cells that are not ok on both sides */
@@ -127,14 +131,15 @@ double bb_compare_typical(const bb_comparison_result *result);
 /* Returns the effect of a cell against itself, from one pair to the next on each side. NAN: not
  * known. */
 double bb_floor_of_cell(const bb_side *before, const bb_side *after, const char *key);
-/* Sets the floor of pairs: the median of the cells' effects against themselves. */
+/* Sets the floor of pairs: the median of the cells' effects against themselves, of wall time and of
+ * processor time. */
 bb_status bb_floor_of_pairs(const bb_side *before, const bb_side *after, bb_floor *floor);
 /* Adds the effects between successive sets of `runs`, from `first` on, to a floor that began as
  * BB_NO_FLOOR. bb_floor_finish_runs() then sets the floor of separate runs: a cell's own floor is
  * its largest effect whose interval excludes 1, and the share is what 90 % of the cells do not
  * exceed. Reference rows do not enter. Release with bb_floor_free(), also after a failure.
  */
-#define BB_NO_FLOOR ((bb_floor){.share = (double)NAN})
+#define BB_NO_FLOOR ((bb_floor){.share = (double)NAN, .clocks = (double)NAN})
 bb_status bb_floor_take_runs(bb_floor *floor, const bb_side *runs, uint32_t first);
 void bb_floor_finish_runs(bb_floor *floor);
 /* Returns a cell's own floor; NAN: not known. */

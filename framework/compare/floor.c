@@ -79,27 +79,34 @@ static int rising(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
+/* Returns the median effect against itself of all cells of a kind, and in *cells their number; NAN
+ * if there are none. `effects` has room for all cells. */
+static double typical(const bb_side *before, const bb_side *after, bool clocks, double *effects,
+                      uint32_t *cells)
+{
+    bb_side_place place = {0, 0};
+    *cells = 0;
+    for (const char *key; (key = bb_side_next(before, &place)) != NULL;) {
+        double effect = bb_is_clock(key) == clocks ? bb_floor_of_cell(before, after, key) : NAN;
+        if (isfinite(effect))
+            effects[(*cells)++] = effect;
+    }
+    qsort(effects, *cells, sizeof *effects, rising);
+    return *cells > 0 ? fmax(BB_COMPARE_FLOOR_LEAST, effects[*cells / 2]) : (double)NAN;
+}
+
 bb_status bb_floor_of_pairs(const bb_side *before, const bb_side *after, bb_floor *floor)
 {
-    uint32_t cells = 0;
+    uint32_t cells = 0, clocks;
     bb_side_place place = {0, 0};
     while (bb_side_next(before, &place) != NULL)
         cells++;
     double *effects = calloc(cells + 1, sizeof *effects);
     if (effects == NULL)
         return bb_fail(BB_FAILED, "comparison: no memory");
-    *floor = (bb_floor){.share = BB_COMPARE_FLOOR_LEAST};
-    place = (bb_side_place){0, 0};
-    for (const char *key; (key = bb_side_next(before, &place)) != NULL;) {
-        double effect = bb_floor_of_cell(before, after, key);
-        if (isfinite(effect))
-            effects[floor->cells++] = effect;
-    }
-    qsort(effects, floor->cells, sizeof *effects, rising);
-    if (floor->cells > 0)
-        floor->share = fmax(floor->share, effects[floor->cells / 2]);
-    else
-        floor->share = NAN;
+    *floor = BB_NO_FLOOR;
+    floor->share = typical(before, after, false, effects, &floor->cells);
+    floor->clocks = typical(before, after, true, effects, &clocks);
     free(effects);
     snprintf(floor->from, sizeof floor->from,
              "the median effect of each side against itself, from pair to pair; each cell's own "

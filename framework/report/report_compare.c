@@ -41,16 +41,20 @@ static void add_side(bb_page *page, const char *name, const bb_side *side)
 
 static void add_rule(bb_page *page, const bb_comparison_result *r)
 {
-    char typical[80] = "";
+    char typical[80] = "", clocks[64] = "", of_clocks[64] = "";
     double ratio = bb_compare_typical(r);
+    if (r->clocks > 0) {
+        snprintf(clocks, sizeof clocks, " and processor times of %u", r->clocks);
+        snprintf(of_clocks, sizeof of_clocks, " (processor time: %.2f %%)", 100 * r->floor.clocks);
+    }
     if (isfinite(ratio))
         snprintf(typical, sizeof typical, "; the median of all ratios is %.4f", ratio);
-    bb_page_note(page, "%u cells in both; times of %u compared, %s%s", r->common, r->timed,
-                 r->pairs ? "in pairs" : "of two runs by themselves", typical);
+    bb_page_note(page, "%u cells in both; times of %u%s compared, %s%s", r->common, r->timed,
+                 clocks, r->pairs ? "in pairs" : "of two runs by themselves", typical);
     bb_page_note(page,
-                 "a time moved if its ratio is beyond 1 \xc2\xb1 %.2f %%, its 95 %% interval "
+                 "a time moved if its ratio is beyond 1 \xc2\xb1 %.2f %%%s, its 95 %% interval "
                  "excludes 1, and p for all cells together is at most %.1f %%",
-                 100 * r->floor.share, 100 * BB_COMPARE_LEVEL);
+                 100 * r->floor.share, of_clocks, 100 * BB_COMPARE_LEVEL);
     if (r->pairs)
         bb_page_note(page,
                      "of pairs the least times are compared, run by run: noise only lengthens; of "
@@ -73,6 +77,10 @@ static void add_differences(bb_page *page, const bb_comparison_result *r)
         if (strcmp(members[i].before, members[i].after) != 0)
             bb_page_note(page, "another %s: %.200s, %.200s", members[i].name, members[i].before,
                          members[i].after);
+    if (a->has_reduced_to && b->has_reduced_to && strcmp(a->reduced_to, b->reduced_to) != 0)
+        bb_page_note(page, "WARNING: to keep a time (--time), %s had %s, and %s %s", a->what,
+                     a->reduced_to[0] != '\0' ? a->reduced_to : "all", b->what,
+                     b->reduced_to[0] != '\0' ? b->reduced_to : "all");
     if (r->machines_differ)
         bb_page_note(page, "WARNING: other machines: no times are compared");
     else if (r->hosts_differ)
@@ -195,7 +203,7 @@ static void add_sights(bb_page *page, const bb_comparison_result *r)
     if (r->sight_count == 0)
         return;
     bb_page_say(page,
-                "of the %u times that count, half could have shown a slowing %s, nine of ten one "
+                "of the %u cells that count, half could have shown a slowing %s, nine of ten one "
                 "%s; the blindest:",
                 r->sight_count, share_text(r->sights[r->sight_count / 2].least, texts[0]),
                 share_text(r->sights[r->sight_count / 10].least, texts[1]));
