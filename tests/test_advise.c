@@ -387,6 +387,29 @@ static void an_interrupt_leaves_the_best_so_far(void **state)
     cJSON_Delete(json);
 }
 
+/* When its time is over, the best so far is the advice. */
+static void a_time_is_kept(void **state)
+{
+    (void)state;
+    static const char *const times[] = {"15s", "1min", "4min"}; /* sanitizers take longer */
+    const outcome *o = NULL;
+    for (size_t i = 0; i < sizeof times / sizeof times[0] && (o == NULL || o->exit_status == 2);
+         i++) {
+        char arguments[512];
+        snprintf(arguments, sizeof arguments,
+                 "advise --scene random:n=20000 --builder lbvh,sah --kernel "
+                 "stack8:leaf=8,stack8:leaf=4 --rays primary --size 2048x2048 --repeats 60 "
+                 "--charts no --time %s",
+                 times[i]);
+        o = run(arguments);
+    }
+    const bool over = strstr(o->err, "--time was over: this is the best") != NULL;
+    if (o->exit_status != 0 || (strstr(o->out, "PRELIMINARY") != NULL && !over))
+        fail_msg("exit %d: %s%s", o->exit_status, o->err, o->out);
+    refuses("", "advise --scene cube --time 0.001s", "--time was over before anything");
+    refuses("", "advise --scene cube --time soon", "--time is 'soon'");
+}
+
 static void what_cannot_be_done_is_refused(void **state)
 {
     (void)state;
@@ -466,6 +489,7 @@ int main(void)
         cmocka_unit_test(a_few_primitives_are_advised),
         cmocka_unit_test(memory_is_bounded_by_turns),
         cmocka_unit_test(an_interrupt_leaves_the_best_so_far),
+        cmocka_unit_test(a_time_is_kept),
         cmocka_unit_test(what_cannot_be_done_is_refused),
         cmocka_unit_test(kernels_take_what_is_given),
     };

@@ -1,5 +1,6 @@
 /* What a comparison holds in memory, and what is foretold of a large scene from a small comparison.
  * Some ten seconds. */
+#include "framework/base/file.h"
 #include "framework/base/limits.h"
 #include "framework/base/memory.h"
 #include "framework/bench/forecast.h"
@@ -79,6 +80,7 @@ static void steps_that_grow_are_known(void **state)
     (void)state;
     static const char *const others[] = {"load and profile scenes",
                                          "keep records",
+                                         "time launches",
                                          "EPO~",
                                          "warming up",
                                          "free trees",
@@ -159,7 +161,20 @@ static void more_takes_longer(void **state)
     request.max_rays = 1 << 24;
     check(bb_bench_forecast(&request, scene, scene_name, &many), "forecast");
     assert_true(many.seconds[0] > 4 * few.seconds[0] && many.bytes > few.bytes + 4e8);
-    request.max_rays = 4096;
+    char *own[] = {"random:count=4096"}; /* however many there may be */
+    request.workloads = own;
+    request.workload_count = 1;
+    check(bb_bench_forecast(&request, scene, scene_name, &many), "forecast");
+    assert_true(many.seconds[0] < 2 * few.seconds[0] && many.bytes < few.bytes + 1e8);
+    char pictures[PATH_MAX];
+    check(bb_temporary_folder(pictures), "folder");
+    request.picture_folder = pictures;
+    request.width = request.height = 4096;
+    check(bb_bench_forecast(&request, scene, scene_name, &few), "forecast");
+    bb_remove_folder(pictures);
+    assert_true(few.seconds[0] > many.seconds[0] + 1 && few.bytes < many.bytes + 1e8);
+    request = request_on(scene);
+    check(bb_bench_forecast(&request, scene, scene_name, &few), "forecast");
     request.repeats = 59;
     check(bb_bench_forecast(&request, scene, scene_name, &many), "forecast");
     assert_true(many.seconds[0] > 2 * few.seconds[0]);

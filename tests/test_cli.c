@@ -104,6 +104,36 @@ static void times_are_kept_or_refused(void **state)
         fail_msg("exit %d, '%s'", o->exit_status, o->err);
 }
 
+/* What is left out to keep a time is said, and noted in the results. */
+static void thrift_is_noted(void **state)
+{
+    (void)state;
+    static const char *const times[] = {"8s", "40s", "3min"}; /* sanitizers take longer */
+    const outcome *o = NULL;
+    char arguments[256];
+    for (size_t i = 0; i < sizeof times / sizeof times[0] && (o == NULL || o->exit_status == 2);
+         i++) {
+        snprintf(arguments, sizeof arguments,
+                 "run --scene soup:n=20000 --builder lbvh --kernel stack --charts no --no-pictures "
+                 "--rays primary,random,diffuse,ao,shadow --out thrifty --time %s",
+                 times[i]);
+        o = run(arguments);
+    }
+    const char *said = strstr(o->err, " with pictures of ");
+    if (o->exit_status != 0)
+        fail_msg("exit %d, '%s'", o->exit_status, o->err);
+    if (said == NULL)
+        skip(); /* on so fast a machine nothing is left out */
+    cJSON *json = read_results("thrifty/results.json");
+    const char *noted = cJSON_GetStringValue(
+        cJSON_GetObjectItem(cJSON_GetObjectItem(json, "context"), "reduced_to"));
+    said += strlen(" with ");
+    if (noted == NULL || strlen(noted) != strcspn(said, "\n") ||
+        strncmp(said, noted, strlen(noted)) != 0)
+        fail_msg("'%s' is noted of '%s'", noted != NULL ? noted : "nothing", said);
+    cJSON_Delete(json);
+}
+
 static void bad_files_are_refused(void **state)
 {
     (void)state;
@@ -225,6 +255,7 @@ int main(void)
         cmocka_unit_test(help_and_lists_are_there),
         cmocka_unit_test(bad_options_are_refused),
         cmocka_unit_test(times_are_kept_or_refused),
+        cmocka_unit_test(thrift_is_noted),
         cmocka_unit_test(bad_files_are_refused),
         cmocka_unit_test(truncated_scenes_are_refused),
         cmocka_unit_test(unwritable_folders_are_refused_before_the_work),

@@ -169,10 +169,10 @@ static void a_page_never_replaces_its_database(void **state)
            "dddd444444444  2024-01-04T00:00:00Z     1    258      1       0          0        0\n");
 }
 
-/* Programs that run at once: they hand out a file, with a bit of noise by turns. */
+/* Programs that run at once, or in a tenth of a second: they hand out a file. */
 static void write_programs(void)
 {
-    static const char *const names[] = {"quick", "slow", "broken", "dead"};
+    static const char *const names[] = {"quick", "slow", "broken", "dead", "sleepy"};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         char script[2000], path[600];
         snprintf(script, sizeof script,
@@ -183,6 +183,7 @@ static void write_programs(void)
                  names[i], folder, folder, i == 1 ? "slow" : "a",
                  i == 2   ? "echo 'bvhbench: it is broken' >&2; exit 2\n"
                  : i == 3 ? "kill -9 $$\n"
+                 : i == 4 ? "sleep 0.1\n"
                           : "exit 1\n");
         write_file(names[i], script, strlen(script));
         snprintf(path, sizeof path, "%s/%s", folder, names[i]);
@@ -226,6 +227,46 @@ static void programs_are_run_in_turns(void **state)
     assert_int_equal(rmdir(strcat(strcpy(path, folder), "/t")), 0);
 }
 
+/* Returns how many programs have run since the file was removed. */
+static uint32_t turns_taken(void)
+{
+    static char order[8000];
+    uint32_t turns = 0;
+    char path[600];
+    read_file("order", order, sizeof order);
+    for (const char *at = order; (at = strchr(at, '\n')) != NULL; at++)
+        turns++;
+    snprintf(path, sizeof path, "%s/order", folder);
+    assert_int_equal(remove(path), 0);
+    return turns;
+}
+
+/* A time is kept by fewer pairs, and a signal leaves those that there are. */
+static void fewer_pairs_are_compared_too(void **state)
+{
+    (void)state;
+    write_document("a.json", edit_nothing, 1);
+    write_programs();
+    write_file("order", "", 0);
+    const outcome *o =
+        expect(0, "compare --run ./sleepy ./sleepy --rounds 60 --time 12s", "nothing is worse");
+    assert_non_null(strstr(o->err, "a pair takes about "));
+    const uint32_t turns = turns_taken();
+    assert_true(turns >= 2 * 8 && turns < 2 * 61);
+    refuses("", "compare --run ./sleepy ./sleepy --quiet --time 0.5s", "fewer than 7 tell nothing");
+    refuses("", "compare --run ./sleepy ./sleepy --time never", "--time is 'never'");
+    (void)turns_taken();
+    o = run_with("timeout --foreground --preserve-status -s INT 12",
+                 "compare --run ./sleepy ./sleepy --rounds 60");
+    assert_int_equal(o->exit_status, 130);
+    assert_non_null(strstr(o->out, "nothing is worse"));
+    (void)turns_taken();
+    o = run_with("timeout --foreground --preserve-status -s INT 2",
+                 "compare --run ./sleepy ./sleepy --rounds 60");
+    assert_int_equal(o->exit_status, 130);
+    assert_non_null(strstr(o->err, "before enough pairs were measured"));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -235,6 +276,7 @@ int main(void)
         cmocka_unit_test(revisions_are_compared),
         cmocka_unit_test(a_page_never_replaces_its_database),
         cmocka_unit_test(programs_are_run_in_turns),
+        cmocka_unit_test(fewer_pairs_are_compared_too),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

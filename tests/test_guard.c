@@ -90,6 +90,23 @@ static void a_build_may_end_in_each_manner(void **state)
          "wreck died in build(): it had not returned after 4 s (--patience), and was killed", 1);
 }
 
+/* What was foretold of all holds for those that are left, too. */
+static void a_death_does_not_undo_a_forecast(void **state)
+{
+    (void)state;
+    const outcome *o =
+        run("run --scene soup:n=70000 --builder lbvh,wreck:how=crash,above=66000 " WRECK
+            "--kernel stack --rays random:count=1000 --no-pictures --charts no --out told "
+            "--time 1h");
+    if (o->exit_status != 1 || strstr(o->err, "; beginning again without it\n") == NULL ||
+        strstr(o->err, "takes about ") == NULL)
+        fail_msg("exit %d: %s", o->exit_status, o->err);
+    const char *told = strstr(o->err, "soup:n=70000: takes about ");
+    assert_true(told != NULL && strstr(told + 1, "soup:n=70000: takes about ") == NULL);
+    const fates f = fates_in("told/results.json");
+    assert_true(f.ours_ok == 1 && f.dead == 1);
+}
+
 static void after_three_scenes_it_is_not_started_again(void **state)
 {
     (void)state;
@@ -359,6 +376,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(each_hook_may_die),
         cmocka_unit_test(a_build_may_end_in_each_manner),
+        cmocka_unit_test(a_death_does_not_undo_a_forecast),
         cmocka_unit_test(after_three_scenes_it_is_not_started_again),
         cmocka_unit_test(other_commands_go_on_too),
         cmocka_unit_test(a_kernel_that_hangs_costs_its_cells),

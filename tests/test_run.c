@@ -168,6 +168,42 @@ static void a_large_scene_is_foretold(void **state)
     }
 }
 
+/* Of a build and its layout: launches, and what they take if they do nothing. */
+static double launches_of(const bb_results *results, const char *builder)
+{
+    const double us = bb_get_number(bb_results_context(results), BB_F_CONTEXT_LAUNCH);
+    double launches = 0;
+    bb_each(build, bb_results_section(results, BB_BUILDS))
+        bb_each_part(layout, build, BB_F_BUILD_LAYOUTS_MS)
+    {
+        if (strcmp(bb_get_text(build, BB_F_BUILD_BUILDER), builder) != 0)
+            continue;
+        launches = bb_get_number(layout, BB_F_BUILD_LAYOUTS_LAUNCHES);
+        const double floor = bb_get_number(layout, BB_F_BUILD_LAYOUTS_FLOOR);
+        assert_true(us > 0 && us < 1e5 && launches >= 1);
+        assert_true(fabs(floor - launches * us * 1e-3) <= 1e-6 * floor);
+        assert_true(bb_first_ray_ms(build, bb_part_name(layout)) > 1e-6 * us); /* its unit */
+    }
+    return launches;
+}
+
+static void launches_are_counted_and_timed(void **state)
+{
+    (void)state;
+    const outcome *o = run("run --scene cube --builder lbvh,sah --kernel stack --rays none "
+                           "--repeats 1 --no-pictures --charts no --table --out launches");
+    if (o->exit_status != 0)
+        fail_msg("exit %d: %s", o->exit_status, o->err);
+    assert_non_null(strstr(o->out, "Launch floor"));
+    char path[1024];
+    bb_results *results;
+    snprintf(path, sizeof path, "%s/launches/results.json", folder);
+    ASSERT_OK(bb_results_read(path, &results));
+    /* both have the same layout, and sah builds on the host */
+    assert_true(launches_of(results, "lbvh") > launches_of(results, "sah") + 4);
+    bb_results_destroy(results);
+}
+
 /* Where not all trees fit, builders have theirs, and Embree's make room: their rows say so. */
 static void references_give_way(void **state)
 {
@@ -540,6 +576,7 @@ int main(void)
         cmocka_unit_test(wrong_answers_give_exit_status_1),
         cmocka_unit_test(without_a_judgement_exit_status_is_1),
         cmocka_unit_test(a_large_scene_is_foretold),
+        cmocka_unit_test(launches_are_counted_and_timed),
         cmocka_unit_test(references_give_way),
         cmocka_unit_test(without_rays_there_are_builds_only),
         cmocka_unit_test(work_outside_the_clock_is_recorded),

@@ -220,9 +220,13 @@ static void goes_on(void **state)
 {
     (void)state;
     start();
+    const outcome *o = run(STRESS "--builder lbvh,sah --time 0.3s");
+    if (o->exit_status != 0 || strstr(o->err, "--time was over: the same command") == NULL)
+        fail_msg("exit %d: %s", o->exit_status, o->err);
     run_with("timeout --signal=KILL 2", STRESS "--builder lbvh,sah");
-    const outcome *o = run(STRESS "--builder lbvh,sah");
+    o = run(STRESS "--builder lbvh,sah");
     assert_int_equal(o->exit_status, 0);
+    assert_null(strstr(o->err, "--time"));
     char *before = without_run();
     o = run(STRESS "--builder lbvh,sah");
     assert_int_equal(o->exit_status, 0);

@@ -1,5 +1,6 @@
 /* Turns: each round all take theirs once, in an order that favours nobody; failures end a round;
  * GPUs are warmed up until two rounds took the same time. */
+#include "framework/base/clock.h"
 #include "framework/base/interrupt.h"
 #include "framework/bench/launches.h"
 #include "framework/bench/turns.h"
@@ -89,12 +90,27 @@ static void a_gpu_is_warmed_up_until_it_settles(void **state)
     bb_progress_end(&progress);
 }
 
+/* As many rounds as fit into the time, but one in any case. */
+static void rounds_fit_into_the_time(void **state)
+{
+    (void)state;
+    bb_progress progress;
+    bb_progress_start(&progress, true);
+    assert_int_equal(bb_turns_foretell(&progress, "it", 1e3, 50, 0), 50);
+    assert_int_equal(bb_turns_foretell(&progress, "it", 1e3, 50, bb_wall_ms() + 1e6), 50);
+    assert_int_equal(bb_turns_foretell(&progress, "it", 1e3, 50, bb_wall_ms() - 1), 1);
+    const uint32_t some = bb_turns_foretell(&progress, "it", 1e3, 50, bb_wall_ms() + 10900);
+    assert_true(some == 10 || some == 9); /* nearly a second may pass in between */
+    bb_progress_end(&progress);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(all_follow_each_other_alike),
         cmocka_unit_test(a_failure_ends_the_round),
         cmocka_unit_test(a_gpu_is_warmed_up_until_it_settles),
+        cmocka_unit_test(rounds_fit_into_the_time),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

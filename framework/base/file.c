@@ -4,6 +4,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <ftw.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -145,6 +146,35 @@ bb_status bb_file_write_parts(const char *path, const bb_file_part *parts, size_
 out:
     free(temporary);
     return status;
+}
+
+bb_status bb_temporary_folder(char path[PATH_MAX])
+{
+    const char *base = getenv("TMPDIR");
+    const int length = snprintf(path, PATH_MAX, "%s/bvhbench-XXXXXX",
+                                base != NULL && base[0] != '\0' ? base : "/tmp");
+    if (length < PATH_MAX && mkdtemp(path) != NULL)
+        return BB_OK;
+    const int error = length < PATH_MAX ? errno : ENAMETOOLONG;
+    const bb_status status =
+        bb_fail(BB_INVALID, "cannot make the folder %s: %s: set TMPDIR to one that can be written",
+                path, strerror(error));
+    path[0] = '\0';
+    return status;
+}
+
+static int remove_entry(const char *path, const struct stat *info, int kind, struct FTW *place)
+{
+    (void)info;
+    (void)kind;
+    (void)place;
+    return remove(path);
+}
+
+void bb_remove_folder(const char *path)
+{
+    if (path[0] != '\0')
+        (void)nftw(path, remove_entry, 16, FTW_DEPTH | FTW_PHYS);
 }
 
 char *bb_file_folder(const char *path)

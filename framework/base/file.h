@@ -4,6 +4,7 @@
 
 #include "framework/base/status.h"
 
+#include <limits.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -35,6 +36,11 @@ typedef struct bb_file_part {
 } bb_file_part;
 bb_status bb_file_write_parts(const char *path, const bb_file_part *parts, size_t count,
                               const char *what);
+
+/* Makes a folder in $TMPDIR, or /tmp, and writes its path. BB_INVALID if that is not possible. */
+bb_status bb_temporary_folder(char path[PATH_MAX]);
+/* Removes a folder with all that is in it; "" is allowed. */
+void bb_remove_folder(const char *path);
 
 /* Returns the folder of `path`, from malloc: "." if `path` names none. NULL without memory. */
 char *bb_file_folder(const char *path);

@@ -1,5 +1,7 @@
 #include "framework/base/interrupt.h"
 
+#include "framework/base/clock.h"
+
 #include <signal.h>
 #include <stdatomic.h>
 #include <string.h>
@@ -8,6 +10,7 @@
 static atomic_bool noted; /* threads of libraries read it */
 _Static_assert(ATOMIC_BOOL_LOCK_FREE == 2, "a signal handler may write it");
 static volatile sig_atomic_t noted_signals[NSIG];
+static double ends_ms; /* 0: never */
 
 static void note(int signal_number)
 {
@@ -24,6 +27,8 @@ void bb_interrupt_catch(void)
 {
     static const int signals[] = {SIGINT, SIGTERM, SIGHUP};
     struct sigaction action;
+    if (noted)
+        return; /* the next one ends the program */
     memset(&action, 0, sizeof action);
     action.sa_handler = note;
     action.sa_flags = SA_RESTART;
@@ -35,9 +40,19 @@ void bb_interrupt_catch(void)
     }
 }
 
+void bb_interrupt_at(double ms)
+{
+    ends_ms = ms;
+}
+
+bool bb_interrupted_by_time(void)
+{
+    return !noted && ends_ms > 0 && bb_wall_ms() >= ends_ms;
+}
+
 bool bb_interrupted(void)
 {
-    return noted;
+    return noted || bb_interrupted_by_time();
 }
 
 bool bb_interrupt_changed(int signal_number, const struct sigaction *then,

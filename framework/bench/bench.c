@@ -6,6 +6,7 @@
 #include "framework/base/threads.h"
 #include "framework/builder/registry.h"
 #include "framework/device/device_private.h"
+#include "framework/device/launch_cost.h"
 #include "framework/picture/picture.h"
 #include "framework/workload/workload.h"
 
@@ -101,14 +102,24 @@ static bb_status try_builders(bb_bench *bench)
     return bb_bench_end(bench, step, "compile builders", BB_OK);
 }
 
+uint64_t bb_bench_most_rays(const bb_bench_request *request)
+{
+    uint64_t most = 0, rays;
+    for (uint32_t w = 0; w < request->workload_count; w++)
+        if (bb_workload_most(request->workloads[w], request->width, request->height,
+                             request->max_rays, &rays) == BB_OK && /* else it was refused */
+            rays > most)
+            most = rays;
+    return most;
+}
+
 /* Allocates the buffers of traces before trees can fill the device. */
 static bb_status start_buffers(bb_bench *bench)
 {
     const bb_bench_request *request = bench->request;
     if (request->workload_count == 0)
         return BB_OK;
-    uint64_t most = (uint64_t)request->width * request->height;
-    most = most > request->max_rays ? most : request->max_rays;
+    const uint64_t most = bb_bench_most_rays(request);
     bench->batch = most < BB_BATCH ? (uint32_t)most : BB_BATCH;
     bench->kept_for_rays = (uint64_t)bench->batch * BB_BYTES_PER_RAY;
     bb_host_book(bench->kept_for_rays);
@@ -220,6 +231,15 @@ static bb_status compile_kernels(bb_bench *bench)
     return start_kernels(bench);
 }
 
+/* Of which builds on the device, of few primitives, mostly consist. */
+static bb_status time_launches(bb_bench *bench)
+{
+    bb_step step = bb_bench_begin(bench);
+    BB_TRY(bb_launch_cost(bench->device, &bench->launch_us));
+    BB_TRY(bb_results_set_number(bench->results, BB_F_CONTEXT_LAUNCH, bench->launch_us));
+    return bb_bench_end(bench, step, "time launches", BB_OK);
+}
+
 static bb_status prepare(bb_bench *bench)
 {
     const bb_bench_request *request = bench->request;
@@ -230,7 +250,8 @@ static bb_status prepare(bb_bench *bench)
     BB_TRY(try_scenes(bench));
     BB_TRY(try_builders(bench));
     bb_step step = bb_bench_begin(bench);
-    return bb_bench_end(bench, step, "compile kernels", compile_kernels(bench));
+    BB_TRY(bb_bench_end(bench, step, "compile kernels", compile_kernels(bench)));
+    return time_launches(bench);
 }
 
 bb_status bb_bench_run(const bb_bench_request *request, bb_results *results,

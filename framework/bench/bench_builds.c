@@ -106,6 +106,8 @@ static void record_timing(bb_bench *bench, bb_entrant *entrant, const bb_build_t
     bb_samples_add(&record->cpu_ms, timing->timing.cpu_ms);
     bb_samples_add(&record->restore_ms, timing->restore_ms);
     bb_samples_add(&record->outside_ms, timing->outside_ms);
+    record->launches = (uint32_t)timing->timing.launches;
+    record->launch_us = bench->launch_us;
     add_steps(entrant);
     if (isnan(record->prepare_ms)) /* an unseen input may call for it again */
         record->prepare_ms = bb_instance_prepare_ms(instance);
@@ -336,6 +338,7 @@ static void record_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layout)
     entrant->layouts[k] = layout;
     snprintf(record->layouts[k].name, sizeof record->layouts[k].name, "%s", data->name);
     record->layouts[k].bytes = data->bytes;
+    record->layouts[k].launches = (uint32_t)data->timing.launches;
     record->layouts[k].sah =
         isnan(data->sah) && data->keeps_shape ? sah_of_tree(entrant) : data->sah;
     bb_samples_add(&record->layouts[k].ms, data->timing.ms);

@@ -73,6 +73,7 @@ typedef struct bb_bench {
     const bb_scene_part *part; /* of the current scene */
     uint32_t set;              /* number of its next ray set */
     bb_bystanders bystanders;  /* watched since the start */
+    double launch_us;          /* of an empty launch */
     const char *scene_text;    /* as asked for; scene->name may be its end only */
     bb_oracle *oracle;
     bb_kernel_choice kernels[BB_KERNELS_MAX];
@@ -154,6 +155,9 @@ bb_status bb_bench_parse_kernel(const char *text, bb_kernel_choice *choice);
 
 /* Returns the most cells that a ray set can have. */
 uint32_t bb_bench_cells_of_set(const bb_bench *bench);
+
+/* Returns the rays of the largest set. */
+uint64_t bb_bench_most_rays(const bb_bench_request *request);
 
 /* Returns the index of the layout that the kernel reads with this intersector. */
 uint32_t bb_bench_layout_of(const bb_bench *bench, uint32_t kernel,

@@ -1,5 +1,6 @@
 #include "framework/bench/contest_private.h"
 
+#include "framework/base/clock.h"
 #include "framework/base/interrupt.h"
 #include "kernels/bb_shared.h"
 
@@ -273,7 +274,7 @@ static bb_status warm_up(bb_contest *c, bb_progress *progress)
 
 static bb_status time_question(bb_contest *c, uint32_t round, uint32_t question, bb_timing *sums)
 {
-    const bool last = round == c->request->repeats && question + 1 == c->task->questions;
+    const bool last = round == c->repeats && question + 1 == c->task->questions;
     question_round q = {.contest = c, .last = last, .sums = sums};
     bb_turns turns = turns_of(c, &q);
     BB_TRY(c->task->take(c->task->self, question, &q.items));
@@ -317,6 +318,7 @@ static bb_status run_rounds(bb_contest *c)
 {
     const uint32_t rounds = c->request->repeats + 1, steps = rounds * c->task->questions;
     bb_progress progress;
+    c->repeats = c->request->repeats;
     bb_progress_start(&progress, c->request->quiet);
     if (c->request->watch != NULL)
         bb_warn_of_bystanders(c->request->watch, c->request->device, &progress);
@@ -325,8 +327,13 @@ static bb_status run_rounds(bb_contest *c)
     bb_progress_plan(&progress, steps);
     bb_progress_weigh(&progress, steps);
     bb_status status = warm_up(c, &progress);
-    for (uint32_t r = 0; r < rounds && status == BB_OK && !bb_interrupted(); r++)
+    for (uint32_t r = 0; r <= c->repeats && status == BB_OK && !bb_interrupted(); r++) {
+        const double start = bb_wall_ms();
         status = time_round(c, r, &progress);
+        if (r == 0 && status == BB_OK)
+            c->repeats = bb_turns_foretell(&progress, c->request->name, bb_wall_ms() - start,
+                                           c->repeats, c->request->ends_ms);
+    }
     bb_progress_end(&progress);
     if (!bb_interrupted()) /* which makes libraries fail */
         return status;

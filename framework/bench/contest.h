@@ -27,6 +27,7 @@ typedef struct bb_contest_request {
     uint32_t kernel_count;
     bool without;     /* also without a tree; the others are compared with this way */
     uint32_t repeats; /* rounds that count, after one that does not */
+    double ends_ms;   /* bb_wall_ms() at which they are to end: then there are fewer; 0: any time */
     uint64_t seed;
     bool quiet;           /* no progress */
     const char *pictures; /* the beginning of paths of pictures; NULL: none are written */

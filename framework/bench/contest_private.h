@@ -34,6 +34,7 @@ typedef struct bb_contest {
     bb_contest_search_choice *choices; /* searches, then kernels of faces */
     bb_residency residency;            /* scene by scene of each builder */
     uint32_t base;                     /* the way that others are compared with */
+    uint32_t repeats;                  /* the request's, or those that fit into its time */
     unsigned char *without, *with;
     bb_count *counts;
     bb_buffer d_answers, d_counts;

@@ -4,9 +4,9 @@
 #include "framework/base/interrupt.h"
 #include "framework/base/memory.h"
 #include "framework/bench/bench_private.h"
+#include "framework/workload/workload.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum {
@@ -23,16 +23,16 @@ typedef enum growth {
     WITH_ROUNDS = 2,
     WITH_RAYS = 4,    /* of all ray sets */
     WITH_COUNTED = 8, /* the rays that are counted of each set */
-    PAID = 16,        /* the small comparison has done it for the whole one */
+    WITH_PIXELS = 16,
 } growth;
 
-/* All others take as long as in the small comparison. */
+/* All others take as long as in the small comparison, as those of growth 0 do. */
 static const struct {
     const char *step;
     unsigned growth;
 } steps[] = {
-    {"compile builders", PAID},
-    {"compile kernels", PAID},
+    {"compile builders", 0}, /* by then the driver's cache has the programs */
+    {"compile kernels", 0},
     {"upload scenes", WITH_PRIMS},
     {"oracle: build", WITH_PRIMS},
     {"make boxes", WITH_PRIMS},
@@ -50,6 +50,7 @@ static const struct {
     {"poison and copy answers", WITH_RAYS | WITH_ROUNDS},
     {"judge answers", WITH_RAYS},
     {"count tests", WITH_COUNTED},
+    {"pictures", WITH_PIXELS},
 };
 
 bool bb_bench_knows_growth(const char *step)
@@ -63,15 +64,17 @@ bool bb_bench_knows_growth(const char *step)
 /* How many times as much there is of everything. */
 typedef struct scale {
     double prims, rounds, rays, counted;
+    double pixels; /* of pictures */
 } scale;
 
 static double grown(double ms, unsigned growth, const scale *by)
 {
-    if (!isfinite(ms) || growth == PAID)
+    if (!isfinite(ms))
         return 0;
     ms *= (growth & WITH_PRIMS) != 0 ? by->prims : 1;
     ms *= (growth & WITH_ROUNDS) != 0 ? by->rounds : 1;
     ms *= (growth & WITH_RAYS) != 0 ? by->rays : 1;
+    ms *= (growth & WITH_PIXELS) != 0 ? by->pixels : 1;
     return ms * ((growth & WITH_COUNTED) != 0 ? by->counted : 1);
 }
 
@@ -131,27 +134,56 @@ static bb_bench_request small_request(const bb_bench_request *of, bb_scene *samp
     small.repeats = 1;
     small.shard = NULL;
     small.tell = NULL;
-    small.picture_folder = NULL;
-    small.metric_count = 0;
     small.quiet = true;
     return small;
 }
 
-static double counted(double rays)
+/* Returns the rays of each set of a workload, and in *sets how many there are. */
+static double rays_of_set(const bb_bench_request *request, uint32_t w, const bb_scene *scene,
+                          uint32_t *sets)
 {
-    return fmin(rays, BB_COUNTED_RAYS);
+    bb_spec spec;
+    const bb_workload *workload;
+    uint64_t rays;
+    *sets = 0;
+    if (bb_workload_parse(request->workloads[w], &spec, &workload) != BB_OK ||
+        bb_workload_most(request->workloads[w], request->width, request->height, request->max_rays,
+                         &rays) != BB_OK)
+        return 0; /* bb_bench_check() refuses it */
+    const uint32_t most = request->max_views, all = scene->view_count;
+    *sets = !workload->per_view ? 1 : most > 0 && most < all ? most : all;
+    return (double)rays;
 }
 
-static scale scale_of(const bb_bench_request *whole, const bb_bench_request *small, double prims,
-                      double sample_prims, double sets)
+/* Returns the rays of all sets of the scene, of each set at most `most`. */
+static double rays_of(const bb_bench_request *request, const bb_scene *scene, double most)
 {
-    const double rays = (double)whole->width * whole->height + whole->max_rays,
-                 small_rays = (double)small->width * small->height + small->max_rays;
+    double all = 0;
+    uint32_t sets;
+    for (uint32_t w = 0; w < request->workload_count; w++) {
+        const double rays = rays_of_set(request, w, scene, &sets);
+        all += sets * fmin(rays, most);
+    }
+    return request->shard != NULL ? all / request->shard->count : all;
+}
+
+static double ratio(double whole, double small)
+{
+    return small > 0 ? whole / small : 0;
+}
+
+static scale scale_of(const bb_bench_request *whole, const bb_bench_request *small,
+                      const bb_scene *scene, double sample_prims)
+{
+    const double prims = scene->prim_count, rays = rays_of(whole, scene, INFINITY);
     const double deeper = prims > sample_prims ? log2(prims) / log2(sample_prims) : 1;
+    const double pixels = (double)whole->width * whole->height;
     return (scale){.prims = prims / sample_prims,
                    .rounds = (whole->repeats + 1.0) / (small->repeats + 1.0),
-                   .rays = rays / small_rays * sets * deeper,
-                   .counted = counted(rays / 2) / counted(small_rays / 2) * sets * deeper};
+                   .rays = deeper * ratio(rays, rays_of(small, scene, INFINITY)),
+                   .counted = deeper * ratio(rays_of(whole, scene, BB_COUNTED_RAYS),
+                                             rays_of(small, scene, BB_COUNTED_RAYS)),
+                   .pixels = ratio(pixels, (double)small->width * small->height)};
 }
 
 /* Where programs had to be compiled, it is in these steps. */
@@ -184,26 +216,10 @@ static bb_status run_small(const bb_bench_request *small, bb_results **results,
     return BB_OK;
 }
 
-/* Returns the ray sets of the scene that are to be traced. */
-static double sets_of(const bb_bench_request *request, const bb_scene *scene, const char *text)
-{
-    bb_bench_request whole = *request;
-    bb_bench *bench = calloc(1, sizeof *bench);
-    if (bench == NULL || request->workload_count == 0) {
-        free(bench);
-        return 0;
-    }
-    whole.shard = NULL;
-    bench->request = &whole;
-    const double sets = bb_bench_part_of(bench, scene, text).sets;
-    free(bench);
-    return request->shard != NULL ? sets / request->shard->count : sets;
-}
-
-/* Returns the bytes of a set's rays and answers, on the host and on the device. */
+/* Returns the bytes of the largest set's rays and answers, on the host and on the device. */
 static double ray_bytes(const bb_bench_request *request)
 {
-    const double rays = fmax((double)request->width * request->height, request->max_rays);
+    const double rays = (double)bb_bench_most_rays(request);
     return fmin(rays, BB_BATCH) * (BB_BYTES_PER_RAY + sizeof(bb_ray) + BB_RESULT_BYTES_MAX);
 }
 
@@ -232,9 +248,7 @@ bb_status bb_bench_forecast(const bb_bench_request *request, const bb_scene *sce
     if (status == BB_OK && !bb_interrupted()) {
         for (uint32_t t = 0; t < BB_THRIFTS; t++) {
             const bb_bench_request less = bb_bench_thrifty(request, t);
-            const double sets = sets_of(&less, scene, text);
-            const scale by = scale_of(&less, &small, scene->prim_count, sample->prim_count,
-                                      outcome.sets > 0 ? sets / outcome.sets : 0);
+            const scale by = scale_of(&less, &small, scene, sample->prim_count);
             forecast->seconds[t] = foretell_ms(results, &outcome.times, &by) / 1e3;
         }
         const double prims = (double)scene->prim_count / sample->prim_count;

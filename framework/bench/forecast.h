@@ -17,7 +17,7 @@ enum { BB_THRIFTS = 6 };
 bb_bench_request bb_bench_thrifty(const bb_bench_request *request, uint32_t thrift);
 
 typedef struct bb_forecast {
-    double seconds[BB_THRIFTS]; /* until the scene's last trace, without pictures and report */
+    double seconds[BB_THRIFTS]; /* of the scene, without loading it and without the report */
     double bytes;               /* of the host, at their peak, with all rays */
 } bb_forecast;
 
@@ -28,7 +28,8 @@ bool bb_bench_can_be_foretold(const bb_scene *scene);
 bool bb_bench_knows_growth(const char *step);
 
 /* Makes and runs the small comparison, with all that the builders leave in the process: it is meant
- * for a process of its own. `text`: the scene as requested. An interrupt leaves NANs. */
+ * for a process of its own. `text`: the scene as requested. Small pictures are written into the
+ * request's folder, if there is one. An interrupt leaves NANs. */
 bb_status bb_bench_forecast(const bb_bench_request *request, const bb_scene *scene,
                             const char *text, bb_forecast *forecast);
 

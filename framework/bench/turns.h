@@ -22,6 +22,12 @@ typedef struct bb_turns {
 /* One round: each takes its turn. */
 bb_status bb_turns_round(bb_turns *turns, uint32_t round);
 
+/* After a round of `ms`: returns how many more rounds there are to be, of `rounds` that are
+ * planned, so that they end by `ends_ms` (bb_wall_ms(); 0: at any time), and at least one. Notes
+ * for the user what they take, if that is long, and how many are left out; `scene` is in it. */
+uint32_t bb_turns_foretell(bb_progress *progress, const char *scene, double ms, uint32_t rounds,
+                           double ends_ms);
+
 /* On a device that is no CPU, makes rounds BB_WARMING_UP until its clocks have settled, or until
  * an interruption. Notes for the user if they did not settle; "`scene`: `what`" is in the note. */
 bb_status bb_turns_warm_up(bb_turns *turns, bb_progress *progress, const char *scene,

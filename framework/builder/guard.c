@@ -30,7 +30,9 @@ typedef struct page {
     _Atomic double since; /* a hook began, by bb_wall_ms(); 0: there is none */
     char scene[SCENE], row[ROW], who[WHO], hook[HOOK]; /* the last hook */
     uint32_t said;                                     /* lines of output */
-    uint32_t death_count, suspects;                    /* suspects: deaths outside of hooks */
+    double started;
+    _Alignas(16) char kept[BB_GUARD_KEPT];
+    uint32_t death_count, suspects; /* suspects: deaths outside of hooks */
     death deaths[BB_DEATHS_MAX];
 } page;
 
@@ -90,6 +92,21 @@ bool bb_guard_said(void)
         return shared != NULL;
     shared->said = count;
     return false;
+}
+
+double bb_guard_started(void)
+{
+    static double alone;
+    if (shared != NULL)
+        return shared->started;
+    alone = alone > 0 ? alone : bb_wall_ms();
+    return alone;
+}
+
+void *bb_guard_kept(void)
+{
+    static _Alignas(16) char alone[BB_GUARD_KEPT];
+    return shared != NULL ? shared->kept : alone;
 }
 
 const char *bb_guard_death(bb_guarded whose)
@@ -353,6 +370,7 @@ void bb_guard_start(bool again, int exit_died, int exit_cannot)
         return;
     }
     shared->patience = (unsigned)atoi(BB_GUARD_PATIENCE);
+    shared->started = bb_wall_ms();
     struct sigaction stop;
     sigset_t signals, mask;
     sigemptyset(&signals);

@@ -31,7 +31,8 @@ typedef struct bb_guarded {
     const char *row;   /* what would be missing: a builder's specification, a cell; "": all */
 } bb_guarded;
 
-/* The following calls do nothing in processes that are not guarded. */
+/* The following calls do nothing in processes that are not guarded, except for bb_guard_started()
+ * and bb_guard_kept(). */
 
 /* A hook takes at most so many seconds of wall time; 0: no limit. Before the first call it is
  * BB_GUARD_PATIENCE. */
@@ -45,6 +46,12 @@ void bb_guard_alive(void);
 /* Counts a line of output. Returns whether a process before this one, which died, has printed it:
  * for commands that print as they go. */
 bool bb_guard_said(void);
+/* Returns the bb_wall_ms() at which the work began for the first time. */
+double bb_guard_started(void);
+/* Returns BB_GUARD_KEPT bytes, zero at first, which a process leaves to those that begin its work
+ * again. */
+void *bb_guard_kept(void);
+enum { BB_GUARD_KEPT = 2048 };
 /* For a child process whose hooks are nobody's business: from now on it is not guarded. */
 void bb_guard_detach(void);
 /* Returns how the row died, as "WHO died in HOOK(): how", if it did at this scene, at none, or at

@@ -5,6 +5,7 @@
 #include "framework/cli/contest_output.h"
 #include "framework/cli/output.h"
 #include "framework/device/device_private.h"
+#include "framework/device/run_row.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -19,6 +20,8 @@ typedef struct advising {
     char *further; /* bb_advise_request.further */
     bb_contest_output output;
     bool found;
+    double ends_ms; /* bb_wall_ms() when the time is over; 0: never */
+    bool is_over;   /* it was, before the work was done */
 } advising;
 
 static const bb_cli_option options[] = {
@@ -31,7 +34,7 @@ static const bb_cli_option options[] = {
     {"count", "N", "rays of the image whose time is compared, all kinds together",
      BB_INTO(advising, count), .low = 1, .high = (double)(UINT64_C(1) << 50), .fallback = "1e6"},
     {"builder", "B",
-     "builders to try; default: those that `run` compares, and their least variants",
+     "builders to try; default: those that `run` compares, some more, and their least variants",
      BB_INTO(advising, builders)},
     {"kernel", "K", "kernels to try; default: those that `run` compares, and some that need less",
      BB_INTO(advising, kernels)},
@@ -47,6 +50,8 @@ static const bb_cli_option options[] = {
     {"repeats", "N", "measured rounds of the last heat, 6 or more",
      BB_INTO(advising, request.repeats), .low = BB_INTERVAL_ROUNDS, .high = BB_SAMPLES_MAX - 1,
      .fallback = "10"},
+    BB_TIME_OPTION(advising, choice.time,
+                   "end after about this long, such as 5min, with the best that was found by then"),
     {"memory", "BYTES",
      "memory for trees and layouts; if they need more, they are measured in turns",
      BB_INTO(advising, memory), .low = 1, .high = (double)(UINT64_C(1) << 50), .fallback = "1500M"},
@@ -137,15 +142,29 @@ static bb_status fill_request(advising *a)
 
 /* ---- the answer ---- */
 
+static bool is_advised(const advising *a)
+{
+    return a->output.table != NULL && bb_table_row_count(a->output.table) > 1;
+}
+
 static bb_status advise(void *user, bb_device *device, bb_results *results,
                         bb_bench_outcome *outcome)
 {
     advising *a = user;
     a->request.device = device;
+    bb_interrupt_at(a->ends_ms);
     BB_TRY(bb_contest_output_begin(&a->output, device, a->request.seed));
     bb_status status = bb_advise(&a->request, results, outcome, a->output.table, &a->found);
     a->output.audit = outcome->audit;
-    return status;
+    a->is_over = bb_interrupted_by_time();
+    bb_interrupt_at(0); /* what is left to do takes no time to speak of */
+    if (status != BB_OK || !a->is_over)
+        return status;
+    if (is_advised(a))
+        bb_table_set_text(a->output.table, 0, &bb_run_columns[BB_RUN_INTERRUPTED], "yes");
+    return is_advised(a) ? bb_results_set_interrupted(results)
+                         : bb_fail(BB_REFUSED, "advise: --time was over before anything was "
+                                               "measured: give more time");
 }
 
 /* Advises without a folder: the comparisons are not kept. */
@@ -196,8 +215,7 @@ static bb_status advise_in_folder(advising *a, int *exit_status)
 /* The advice comes last, so that it stays on the screen. */
 static bb_status answer(advising *a, bb_status status, bool *blamed)
 {
-    const bool advised = a->output.table != NULL && bb_table_row_count(a->output.table) > 1;
-    if (status == BB_OK && !advised)
+    if (status == BB_OK && !is_advised(a))
         fprintf(stderr, "bvhbench: interrupted: there is no advice\n");
     else if (status == BB_OK)
         status = bb_contest_output_scene(&a->output);
@@ -217,11 +235,14 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
                                     .printed = &bb_advise_outline_briefly,
                                     .choice = &a->choice,
                                     .command_line = cli->command_line};
+    BB_TRY(bb_time_option(a->choice.time, &a->ends_ms));
     BB_TRY(fill_request(a));
     bool blamed = false;
     const bb_status status =
         a->choice.out != NULL ? advise_in_folder(a, exit_status) : advise_alone(a, exit_status);
     BB_TRY(answer(a, status, &blamed));
+    if (a->is_over)
+        fprintf(stderr, "bvhbench: --time was over: this is the best that was found by then\n");
     if (*exit_status == BB_EXIT_OK && (!a->found || blamed))
         *exit_status = BB_EXIT_WRONG;
     return BB_OK;

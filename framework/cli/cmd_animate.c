@@ -39,6 +39,7 @@ static const bb_cli_option options[] = {
      .high = 1 << 24, .fallback = "65536"},
     {"repeats", "N", "rounds over the whole sequence that count", BB_INTO(job, request.repeats),
      .low = 1, .high = BB_ANIMATE_ROUNDS_MAX - 1, .fallback = "3"},
+    BB_ROUNDS_IN_TIME_OPTION(job, choice.time),
     BB_SEED_OPTION(job, request.seed),
     BB_GROUP(bb_contest_options, job, choice),
     {"out", "DIR", "folder for animate.json, animate.html and a strip of frames; default: none",
@@ -131,6 +132,7 @@ static bb_status animate_all(job *j)
     for (size_t i = 0; i < j->scenes.count && !bb_interrupted(); i++) {
         bb_scene *scene;
         BB_TRY(bb_scene_load(j->scenes.items[i], &scene));
+        j->request.ends_ms = bb_contest_ends(&j->choice, j->scenes.count - i);
         bb_status status = animate(j, scene, i + 1);
         bb_scene_free(scene);
         BB_TRY(status);

@@ -1,9 +1,11 @@
 /* bvhbench compare: what moved from one run, revision or program to another. */
+#include "framework/base/interrupt.h"
 #include "framework/base/steering.h"
 #include "framework/cli/cli.h"
 #include "framework/cli/inputs.h"
 #include "framework/cli/interleave.h"
 #include "framework/cli/out_option.h"
+#include "framework/cli/time_option.h"
 #include "framework/compare/compare.h"
 #include "framework/compare/family.h"
 #include "framework/compare/history.h"
@@ -19,10 +21,11 @@ typedef struct inputs {
     bool programs, quiet;
     uint32_t rounds, format;
     uint64_t seed;
-    const char *out, *database;
+    const char *out, *database, *time;
     double percent, detect;
     bb_cell_set *sets[2];
     uint32_t counts[2];
+    uint32_t measured; /* of them */
     bb_history *history;
     double threshold; /* a share; NAN: not given */
 } inputs;
@@ -32,6 +35,9 @@ static const bb_cli_option options[] = {
      BB_INTO(inputs, programs)},
     {"rounds", "N", "with --run: pairs that count, after a discarded one", BB_INTO(inputs, rounds),
      .high = BB_SAMPLES_MAX - 1, .fallback = "10", .with = "run"},
+    {"time", "T",
+     "with --run: take at most about this long, such as 5min, with fewer pairs if need be",
+     BB_INTO(inputs, time), .with = "run"},
     {"seed", "N", "with --run: random seed that decides which program begins a pair",
      BB_INTO(inputs, seed), .fallback = "1", .with = "run"},
     {"out", "DIR", "with --run: keep all result files there; default: they are removed",
@@ -41,7 +47,8 @@ static const bb_cli_option options[] = {
     {"threshold", "PERCENT", "least change of a time that counts; default: measured by A/A",
      BB_INTO(inputs, percent), .high = 1000},
     {"detect", "PERCENT",
-     "exit status 2, unless a slowing by this much would have been found in each cell",
+     "exit status 2, unless a slowing by this much, of wall and processor time alike, would have "
+     "been found in each cell",
      BB_INTO(inputs, detect), .high = 1000},
     {"format", NULL, "github: Markdown for a comment", BB_INTO(inputs, format),
      .words = "text|github", .fallback = "text"},
@@ -57,6 +64,7 @@ static bb_status allocate(inputs *in, uint32_t count)
             return bb_fail(BB_FAILED, "compare: no memory");
         in->counts[k] = count;
     }
+    in->measured = count;
     return BB_OK;
 }
 
@@ -89,7 +97,7 @@ static bb_status check_sights(const inputs *in, const bb_comparison_result *r)
 static bb_status report(inputs *in, const bb_floor *floor, int *exit_status)
 {
     bb_comparison_result result;
-    const bb_side before = {in->sets[0], in->counts[0]}, after = {in->sets[1], in->counts[1]};
+    const bb_side before = {in->sets[0], in->measured}, after = {in->sets[1], in->measured};
     bb_status status = bb_compare(&before, &after, in->threshold, floor, &result);
     if (status == BB_OK)
         status = check_compared(&result);
@@ -202,7 +210,7 @@ static bb_status keep_floor(inputs *in)
     bb_floor floor = BB_NO_FLOOR;
     bb_status status = BB_OK;
     for (int k = 0; k < 2 && status == BB_OK; k++)
-        status = bb_floor_take_runs(&floor, &(bb_side){in->sets[k], in->counts[k]}, 1);
+        status = bb_floor_take_runs(&floor, &(bb_side){in->sets[k], in->measured}, 1);
     bb_floor_finish_runs(&floor);
     if (status == BB_OK && isfinite(floor.share)) {
         if (in->history != NULL)
@@ -220,7 +228,7 @@ static bb_status keep_floor(inputs *in)
 static bb_status compare_programs(const bb_cli *cli, inputs *in, int *exit_status)
 {
     const uint32_t least = bb_family_pairs_needed(BB_COMPARE_LEVEL);
-    bool interrupted = false;
+    uint32_t pairs;
     if (cli->positional_count < 2)
         return bb_fail(BB_INVALID, "compare --run: give two programs, and the arguments of run "
                                    "after --");
@@ -228,23 +236,29 @@ static bb_status compare_programs(const bb_cli *cli, inputs *in, int *exit_statu
                               .arguments = cli->positional + 2,
                               .argument_count = cli->positional_count - 2,
                               .rounds = in->rounds,
+                              .least = least,
                               .seed = in->seed,
                               .folder = in->out,
                               .quiet = in->quiet};
     if (in->rounds < least)
         return bb_fail(BB_INVALID, "--rounds is '%u', must be a whole number from %u to %d",
                        in->rounds, least, BB_SAMPLES_MAX - 1);
+    BB_TRY(bb_time_option(in->time, &wanted.ends_ms));
     BB_TRY(check_arguments(wanted.arguments, wanted.argument_count));
     if (wanted.folder != NULL)
         BB_TRY(bb_out_folder(wanted.folder));
     BB_TRY(allocate(in, wanted.rounds + 1));
-    BB_TRY(bb_interleave(&wanted, in->sets, &interrupted));
-    if (interrupted) {
+    BB_TRY(bb_interleave(&wanted, in->sets, &pairs));
+    if (bb_interrupted() && pairs < least) {
         *exit_status = BB_EXIT_INTERRUPTED;
-        fprintf(stderr, "bvhbench: interrupted before all pairs were measured\n");
+        fprintf(stderr, "bvhbench: interrupted before enough pairs were measured: %u of %u\n",
+                pairs, least);
         return BB_OK;
     }
+    in->measured = pairs + 1;
     BB_TRY(report(in, NULL, exit_status));
+    if (bb_interrupted())
+        *exit_status = BB_EXIT_INTERRUPTED;
     return keep_floor(in);
 }
 
@@ -286,15 +300,17 @@ const bb_command bb_command_compare = {
         "adjusted for\n"
         "all cells, is small: if equal programs are compared, one comparison in 100 raises an "
         "alarm.\n"
-        "Pairs (--run) compare the least times of each run and measure their own A/A. Two separate "
-        "runs\n"
-        "are weaker evidence. Their A/A is what 90 % of the cells do not exceed in the history, "
-        "which\n"
-        "`compare --run A A --history DB` and two runs of one revision provide; if there is none, "
-        "10 % is\n"
-        "assumed, and the output says so. If other programs kept the machine busy during either, a "
-        "time\n"
-        "that is less is undecided.\n"
+        "Pairs (--run) compare the least wall times of each run and the medians of its processor "
+        "time,\n"
+        "and measure their own A/A. Two separate runs are weaker evidence. Their A/A is what 90 % "
+        "of "
+        "the\n"
+        "cells do not exceed in the history, which `compare --run A A --history DB` and two runs "
+        "of "
+        "one\n"
+        "revision provide; if there is none, 10 % is assumed, and the output says so. If other "
+        "programs\n"
+        "kept the machine busy during either, a time that is less is undecided.\n"
         "SAH and bytes of trees and layouts, nodes, tests per ray, wrong rays and status are "
         "compared\n"
         "exactly. An option that OLD or NEW did not have yet counts with the default that it has "

@@ -31,6 +31,7 @@ static const bb_cli_option options[] = {
      BB_INTO(job, fit), .low = 1e-6, .high = 1e6},
     {"repeats", "N", "measured rounds (the paper: 50)", BB_INTO(job, request.repeats), .low = 1,
      .high = BB_SAMPLES_MAX - 1, .fallback = "10"},
+    BB_ROUNDS_IN_TIME_OPTION(job, choice.time),
     BB_SEED_OPTION(job, request.seed),
     {"brief", NULL,
      "show less: no trees, phases and legends; by default no builders that take long on meshes",
@@ -82,6 +83,7 @@ static bb_status overlap(job *j)
     BB_TRY(bb_contest_output_request(&j->output, &j->builders, &j->searches, &j->request));
     snprintf(name, sizeof name, "%s and %s", j->scenes[0]->name, j->scenes[1]->name);
     j->request.name = name;
+    j->request.ends_ms = bb_contest_ends(&j->choice, 1);
     bb_status status = bb_overlap_run(&j->request, j->scenes, j->choice.out, j->output.table);
     snprintf(why, sizeof why, "%s", status != BB_OK ? bb_message() : "");
     if (bb_table_row_count(j->output.table) > 1)

@@ -1,7 +1,5 @@
 /* bvhbench run: the comparison. */
-#include "framework/base/clock.h"
 #include "framework/base/interrupt.h"
-#include "framework/base/number.h"
 #include "framework/bench/bench.h"
 #include "framework/bench/forecast.h"
 #include "framework/cli/cells_option.h"
@@ -11,6 +9,7 @@
 #include "framework/cli/out_option.h"
 #include "framework/cli/output.h"
 #include "framework/cli/shard_option.h"
+#include "framework/cli/time_option.h"
 #include "framework/device/device_private.h"
 #include "framework/report/report.h"
 #include "framework/scene/scene.h"
@@ -28,10 +27,10 @@ typedef struct comparison {
     const char *folder, *history, *part, *time;
     uint32_t charts;
     bool table, quick, no_pictures;
-    bb_shard shard;  /* `part`, read */
-    bool telling;    /* nothing is chosen: accuracy is compared too */
-    uint32_t thrift; /* with `time`: how much is left out */
-    bb_cells cells;  /* if there are any, one run for each of their groups */
+    bb_shard shard;   /* `part`, read */
+    bool telling;     /* nothing is chosen: accuracy is compared too */
+    bb_thrift thrift; /* with `time`: how much is left out */
+    bb_cells cells;   /* if there are any, one run for each of their groups */
 } comparison;
 
 static const bb_cli_option options[] = {
@@ -247,19 +246,15 @@ static bb_status choose_for_forecast(void *user, const bb_bench_request **reques
 }
 
 /* Only after places that cannot be written are refused, since it may take minutes. */
-static bb_status foretell(comparison *c, double start_ms)
+static bb_status foretell(comparison *c)
 {
     bb_foretelling what = {&c->entrants.scenes, &c->device, choose_for_forecast, c, 0};
-    double seconds;
-    if (c->time != NULL && !bb_read_time(c->time, &seconds))
-        return bb_fail(BB_INVALID, "--time is '%s', must be a time such as 90s, 5min or 1.5h",
-                       c->time);
-    if (c->time != NULL)
-        what.ends_ms = start_ms + seconds * 1e3;
+    BB_TRY(bb_time_option(c->time, &what.ends_ms));
     if (c->cells.group_count > 0 || c->telling || c->quick || (c->request.quiet && c->time == NULL))
         return BB_OK;
     BB_TRY(bb_out_folder(c->folder));
     BB_TRY(bb_output_append(c->history, NULL));
+    bb_interrupt_catch();
     return bb_foretell(&what, &c->thrift);
 }
 
@@ -267,7 +262,6 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
 {
     comparison *c = values;
     bb_bench_request *request = &c->request;
-    const double start_ms = bb_wall_ms();
     c->telling = is_default(cli, c) && c->time == NULL;
     request->picture_folder = c->no_pictures ? NULL : c->folder;
     if (c->part != NULL) {
@@ -278,9 +272,14 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
     BB_TRY(bb_load_plugins(&c->device.plugins));
     BB_TRY(bb_cells_read(&c->keys, &c->cells));
     BB_TRY(bb_choose_scenes(&c->entrants.scenes, bb_add_shipped_scenes));
-    BB_TRY(foretell(c, start_ms));
+    BB_TRY(foretell(c));
+    if (bb_interrupted()) {
+        fprintf(stderr, "bvhbench: interrupted before anything was measured\n");
+        *exit_status = BB_EXIT_INTERRUPTED;
+        return BB_OK;
+    }
     BB_TRY(choose(c));
-    *request = bb_bench_thrifty(request, c->thrift);
+    *request = bb_bench_thrifty(request, c->thrift.number);
     if (c->cells.group_count > 0)
         bb_cells_request(&c->cells.groups[0], request);
     const bb_comparison all = {
@@ -290,6 +289,7 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
         .history = c->history,
         .shard = c->part,
         .shard_of = hash_of(c),
+        .reduced_to = c->thrift.reduced_to,
         .seed = request->seed,
         .charts = c->charts,
         .quiet = request->quiet,
@@ -339,12 +339,9 @@ const bb_command bb_command_run = {
         "pictures, takes\n"
         "a quarter of the rays of other sets, one view or two rounds until the time is kept; what "
         "it leaves out\n"
-        "is said. It refuses what cannot be foretold, or takes longer even so. Pictures, "
-        "--metrics, "
-        "compiling\n"
-        "and the report come on top. The comparison of intersectors, which runs if nothing is "
-        "chosen, "
-        "is left out.\n"
+        "is said, and noted in the results. It refuses what cannot be foretold, or takes longer "
+        "even so. The\n"
+        "comparison of intersectors, which runs if nothing is chosen, is left out.\n"
         "2 to 5 --repeats give a range instead of an interval, 1 gives neither.\n"
         "A comma starts a new item of a list unless what follows it is key=value.\n"
         "Exit status 1: a cell with the intersector `exact` has more wrong answers than\n"

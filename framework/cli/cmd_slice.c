@@ -39,6 +39,7 @@ static const bb_cli_option options[] = {
      BB_INTO(job, request.plan.thickness), .high = 1e30},
     {"repeats", "N", "measured rounds", BB_INTO(job, request.contest.repeats), .low = 1,
      .high = BB_SAMPLES_MAX - 1, .fallback = "10"},
+    BB_ROUNDS_IN_TIME_OPTION(job, choice.time),
     BB_SEED_OPTION(job, request.contest.seed),
     BB_GROUP(bb_contest_options, job, choice),
     {"out", "DIR",
@@ -83,6 +84,7 @@ static bb_status slice_all(job *j)
     for (size_t i = 0; i < j->scenes.count && !bb_interrupted(); i++) {
         bb_scene *scene;
         BB_TRY(bb_scene_load_any(j->scenes.items[i], &scene));
+        j->request.contest.ends_ms = bb_contest_ends(&j->choice, j->scenes.count - i);
         bb_status status = slice(j, scene, i + 1);
         bb_scene_free(scene);
         BB_TRY(status);

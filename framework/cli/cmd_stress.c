@@ -4,6 +4,7 @@
 #include "framework/cli/choice.h"
 #include "framework/cli/out_option.h"
 #include "framework/cli/output.h"
+#include "framework/cli/time_option.h"
 #include "framework/report/report.h"
 #include "framework/stress/stress.h"
 #include "traversal/traversal.h"
@@ -19,6 +20,7 @@ typedef struct wanted {
     const char *history;
     bb_stress_request request;
     uint32_t seconds;
+    const char *time;
     bool no_pictures;
     bb_method methods[BB_METHODS_MAX];
 } wanted;
@@ -40,6 +42,8 @@ static const bb_cli_option options[] = {
      BB_INTO(wanted, seconds), .low = 1, .high = 86400, .fallback = "120"},
     {"memory", "MIB", "memory limit of a method; beyond it, the method floods the memory",
      BB_INTO(wanted, request.limits.megabytes), .low = 64, .high = 1u << 30, .fallback = "8192"},
+    BB_TIME_OPTION(wanted, time,
+                   "end after about this long, such as 30min; the same command continues"),
     BB_GROUP(bb_device_options, wanted, device),
     BB_SEED_OPTION(wanted, request.seed),
     {"out", "DIR", "folder for stress.json, stress.html and pictures",
@@ -134,6 +138,8 @@ static bb_status stress(const bb_cli *cli, const char *history, const bb_stress_
     bb_stress found;
     bb_interrupt_catch();
     bb_status status = bb_stress_run(request, &found);
+    const bool is_over = bb_interrupted_by_time();
+    bb_interrupt_at(0);
     if (status == BB_OK)
         status = write_all(cli, history, &found);
     if (status == BB_OK)
@@ -143,7 +149,9 @@ static bb_status stress(const bb_cli *cli, const char *history, const bb_stress_
                request->folder);
     if (status == BB_OK && bb_stress_blame(&found, stderr) > 0)
         *exit_status = BB_EXIT_WRONG;
-    if (status == BB_OK && bb_interrupted())
+    if (status == BB_OK && is_over)
+        fprintf(stderr, "bvhbench: --time was over: the same command continues\n");
+    else if (status == BB_OK && bb_interrupted())
         *exit_status = BB_EXIT_INTERRUPTED;
     bb_stress_free(&found);
     return status;
@@ -153,6 +161,8 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
 {
     wanted *w = values;
     bb_stress_request *r = &w->request;
+    double ends_ms;
+    BB_TRY(bb_time_option(w->time, &ends_ms));
     BB_TRY(bb_load_plugins(&w->device.plugins));
     BB_TRY(bb_choose_axes(&w->axes));
     BB_TRY(choose_methods(w));
@@ -167,6 +177,7 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
     BB_TRY(bb_stress_check(r));
     BB_TRY(bb_out_folder(r->folder));
     BB_TRY(bb_output_append(w->history, NULL));
+    bb_interrupt_at(ends_ms);
     return stress(cli, w->history, r, exit_status);
 }
 

@@ -20,6 +20,7 @@ typedef struct job {
     bb_contest_output output;
     bool wrong;
     uint32_t pictures; /* sets of them, so far */
+    size_t left;       /* scenes, with each transfer function, until the next has begun */
 } job;
 
 static const bb_cli_option options[] = {
@@ -51,6 +52,7 @@ static const bb_cli_option options[] = {
      BB_INTO(job, steps), .fallback = "4,2,1,0.5,0.25"},
     {"repeats", "N", "measured rounds", BB_INTO(job, request.contest.repeats), .low = 1,
      .high = BB_SAMPLES_MAX - 1, .fallback = "10"},
+    BB_ROUNDS_IN_TIME_OPTION(job, choice.time),
     BB_SEED_OPTION(job, request.contest.seed),
     {"brief", NULL,
      "show less: no trees, phases and legends; by default no builders that take long on meshes",
@@ -130,6 +132,7 @@ static bb_status compare(job *j, bb_scene *scene)
     bb_contest_output_name(&j->output, name, sizeof name);
     request->name = name;
     request->files = file;
+    request->ends_ms = bb_contest_ends(&j->choice, --j->left);
     BB_TRY(bb_dvr_run(&j->request, scene, j->output.table));
     return bb_contest_output_scene(&j->output);
 }
@@ -190,6 +193,7 @@ static bb_status check_transfers(const bb_names *names)
 static bb_status compare_all(job *j)
 {
     BB_TRY(bb_contest_output_request(&j->output, &j->builders, &j->kernels, &j->request.contest));
+    j->left = 1 + j->scenes.count * (j->transfers.count > 0 ? j->transfers.count : 1);
     for (size_t i = 0; i < j->scenes.count && !bb_interrupted(); i++)
         BB_TRY(compare_scene(j, j->scenes.items[i]));
     return BB_OK;

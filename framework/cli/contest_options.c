@@ -1,5 +1,6 @@
 #include "framework/cli/contest_options.h"
 
+#include "framework/base/clock.h"
 #include "framework/base/interrupt.h"
 #include "framework/bench/tet_search.h"
 #include "framework/builder/pipeline.h"
@@ -7,6 +8,7 @@
 #include "framework/cli/inputs.h"
 #include "framework/cli/out_option.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -72,8 +74,15 @@ void bb_print_mesh_builders(FILE *out)
     print_declared(out, BB_OF_MESHES, "\nbuilders by default: ");
 }
 
-bb_status bb_contest_begin(const bb_contest_choice *choice, char *const *scenes, size_t count)
+double bb_contest_ends(const bb_contest_choice *choice, size_t left)
 {
+    const double now = bb_wall_ms();
+    return choice->ends_ms > 0 ? now + fmax(0, choice->ends_ms - now) / (double)left : 0;
+}
+
+bb_status bb_contest_begin(bb_contest_choice *choice, char *const *scenes, size_t count)
+{
+    BB_TRY(bb_time_option(choice->time, &choice->ends_ms));
     BB_TRY(bb_load_plugins(&choice->device.plugins));
     for (size_t i = 0; i < count; i++)
         BB_TRY(bb_check_scene(scenes[i]));

@@ -1,6 +1,7 @@
 #include "framework/cli/foretell.h"
 
 #include "framework/base/clock.h"
+#include "framework/base/file.h"
 #include "framework/base/interrupt.h"
 #include "framework/base/limits.h"
 #include "framework/base/memory.h"
@@ -26,6 +27,7 @@ typedef struct prediction {
     bool is_large, is_made;
     bool is_refused; /* by the comparison itself, later */
     bb_forecast forecast;
+    double load_s;
     bb_bench_request request; /* whose pointers are the child's */
     char why_not[512];
 } prediction;
@@ -33,6 +35,7 @@ typedef struct prediction {
 typedef struct task {
     const bb_foretelling *what;
     const char *scene;
+    const char *pictures; /* folder for small ones */
     prediction *out;
 } task;
 
@@ -52,9 +55,11 @@ static int predict(void *user)
     const bb_bench_request *chosen;
     bb_device *device = NULL;
     bb_scene *scene = NULL;
+    const double start_ms = bb_wall_ms();
     bb_guard_detach();
-    p->is_refused = bb_scene_load(t->scene, &scene) != BB_OK ||
-                    t->what->choose(t->what->user, &chosen) != BB_OK ||
+    p->is_refused = bb_scene_load(t->scene, &scene) != BB_OK;
+    p->load_s = (bb_wall_ms() - start_ms) / 1e3;
+    p->is_refused = p->is_refused || t->what->choose(t->what->user, &chosen) != BB_OK ||
                     bb_open_device(t->what->device, &device) != BB_OK ||
                     bb_scene_has_room(scene, device) != BB_OK;
     if (p->is_refused) {
@@ -66,6 +71,8 @@ static int predict(void *user)
     p->request = *chosen;
     bb_bench_request request = *chosen;
     request.device = device;
+    request.picture_folder =
+        chosen->picture_folder != NULL && t->pictures[0] != '\0' ? t->pictures : NULL;
     if (why == NULL && (p->is_large || t->what->ends_ms > 0)) {
         p->is_made = bb_bench_forecast(&request, scene, t->scene, &p->forecast) == BB_OK;
         why = bb_message();
@@ -94,9 +101,11 @@ static void predict_scene(const bb_foretelling *what, const char *scene, predict
 {
     const double left = what->ends_ms > 0 ? (what->ends_ms - bb_wall_ms()) / 1e3 : SECONDS;
     const bb_child_limits limits = {fmin(fmax(left, 1), SECONDS), bb_memory_limit() >> 20};
-    task t = {what, scene, p};
+    char pictures[PATH_MAX] = "";
+    task t = {what, scene, pictures, p};
     bb_child_report report;
     memset(p, 0, sizeof *p);
+    (void)bb_temporary_folder(pictures); /* without one, pictures are not foretold */
     if (bb_child_run(predict, &t, &limits, &report) != BB_OK) {
         snprintf(p->why_not, sizeof p->why_not, "%s", bb_message());
     } else if (report.end != BB_CHILD_DONE) {
@@ -104,6 +113,7 @@ static void predict_scene(const bb_foretelling *what, const char *scene, predict
         p->is_large = report.end != BB_CHILD_INTERRUPTED;
         snprintf(p->why_not, sizeof p->why_not, "the small comparison ended: %s", report.words);
     }
+    bb_remove_folder(pictures);
     if (what->ends_ms == 0 || p->is_made) /* else a refusal says it */
         say(scene, p);
 }
@@ -118,74 +128,93 @@ static bool has_threads(void)
 
 /* ---- keeping a time ---- */
 
-/* Says what a thrift leaves out of a request. */
-static void say_thrift(const bb_bench_request *request, uint32_t thrift, double seconds)
+/* What was foretold: a process in which a builder dies leaves it to the next. */
+typedef struct told {
+    bool is_told;
+    double seconds[BB_THRIFTS]; /* of all scenes, by thrift */
+    bb_bench_request request;   /* whose pointers nobody follows */
+} told;
+_Static_assert(sizeof(told) <= BB_GUARD_KEPT, "a process can leave it to the next");
+
+/* Writes what a request has with this thrift, where it is less; "": nowhere. */
+static void name_reduced(const bb_bench_request *request, uint32_t thrift, char text[BB_REDUCED])
 {
     const bb_bench_request less = bb_bench_thrifty(request, thrift);
-    char time[BB_TIME_TEXT];
-    fprintf(stderr, "takes about %s", bb_time_words(seconds, time));
-    if (thrift > 0)
-        fprintf(stderr, " with pictures of %ux%u, at most %u rays in other sets", less.width,
-                less.height, less.max_rays);
+    char views[40] = "", rounds[32] = "";
     if (less.max_views != request->max_views)
-        fprintf(stderr, ", one view");
+        snprintf(views, sizeof views, ", one view per scene");
     if (less.repeats != request->repeats)
-        fprintf(stderr, ", %u rounds", less.repeats);
-    fprintf(stderr, "\n");
+        snprintf(rounds, sizeof rounds, ", %u rounds", less.repeats);
+    text[0] = '\0';
+    if (thrift > 0)
+        snprintf(text, BB_REDUCED, "pictures of %ux%u, at most %u rays in other sets%s%s",
+                 less.width, less.height, less.max_rays, views, rounds);
 }
 
-/* seconds[]: of all scenes, by thrift. */
-static bb_status keep_time(const bb_foretelling *what, const bb_bench_request *request,
-                           const double seconds[BB_THRIFTS], uint32_t *thrift)
+static bb_status keep_time(const told *t, double ends_ms, bool again, bb_thrift *thrift)
 {
-    const double left = (what->ends_ms - bb_wall_ms()) / 1e3;
+    const double left = (ends_ms - bb_wall_ms()) / 1e3;
     char least[BB_TIME_TEXT], given[BB_TIME_TEXT];
-    for (*thrift = 0; *thrift < BB_THRIFTS; ++*thrift)
-        if (seconds[*thrift] <= left * (1 - reserve)) {
-            say_thrift(request, *thrift, seconds[*thrift]);
-            return BB_OK;
-        }
-    return bb_fail(BB_REFUSED,
-                   "--time: with the fewest rays, views and rounds it still takes about %s, and "
-                   "%s of the time are left: give more time, fewer builders or smaller scenes",
-                   bb_time_words(seconds[BB_THRIFTS - 1], least), bb_time_words(left, given));
+    uint32_t *number = &thrift->number;
+    for (*number = 0; *number < BB_THRIFTS; ++*number)
+        if (t->seconds[*number] <= left * (1 - reserve))
+            break;
+    if (*number == BB_THRIFTS && !again)
+        return bb_fail(BB_REFUSED,
+                       "--time: with the fewest rays, views and rounds it still takes about %s, "
+                       "and %s of the time are left: give more time, fewer builders or smaller "
+                       "scenes",
+                       bb_time_words(t->seconds[BB_THRIFTS - 1], least),
+                       bb_time_words(left, given));
+    if (*number == BB_THRIFTS) {
+        *number = BB_THRIFTS - 1;
+        fprintf(stderr, "--time will not be kept, since the work began again: ");
+    }
+    name_reduced(&t->request, *number, thrift->reduced_to);
+    fprintf(stderr, "takes about %s%s%s\n", bb_time_words(t->seconds[*number], least),
+            *number > 0 ? " with " : "", thrift->reduced_to);
+    return BB_OK;
 }
 
-static bb_status foretell(const bb_foretelling *what, prediction *p, uint32_t *thrift)
+static bb_status foretell(const bb_foretelling *what, prediction *p, told *out)
 {
-    double seconds[BB_THRIFTS] = {0};
-    bb_bench_request request = {0};
+    told told = {.is_told = true};
     for (size_t i = 0; i < what->scenes->count && !bb_interrupted(); i++) {
         const char *scene = what->scenes->items[i];
-        if (!has_threads() && !bb_guard_said()) /* by a process before this one, which died */
+        if (!has_threads())
             predict_scene(what, scene, p);
         else
-            snprintf(p->why_not, sizeof p->why_not, "a plug-in has threads, or a builder died");
-        if (what->ends_ms == 0)
+            snprintf(p->why_not, sizeof p->why_not, "a plug-in has threads");
+        if (what->ends_ms == 0 || bb_interrupted())
             continue;
-        if (bb_interrupted())
-            return BB_OK;
         if (p->is_refused) /* at once, not when its turn comes */
             return bb_fail(BB_REFUSED, "%s", p->why_not);
         if (!p->is_made)
             return bb_fail(BB_REFUSED, "--time: %s cannot be foretold: %s: leave out --time", scene,
                            p->why_not);
-        request = p->request;
+        told.request = p->request;
+        const uint32_t loads = i > 0 ? 2 : 1; /* all are tried first, and the first is kept */
         for (uint32_t t = 0; t < BB_THRIFTS; t++)
-            seconds[t] += p->forecast.seconds[t];
+            told.seconds[t] += p->forecast.seconds[t] + loads * p->load_s;
     }
-    return what->ends_ms > 0 ? keep_time(what, &request, seconds, thrift) : BB_OK;
+    *out = told;
+    return BB_OK;
 }
 
-bb_status bb_foretell(const bb_foretelling *what, uint32_t *thrift)
+bb_status bb_foretell(const bb_foretelling *what, bb_thrift *thrift)
 {
-    *thrift = 0;
-    prediction *shared =
-        mmap(NULL, sizeof *shared, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-    if (shared == MAP_FAILED)
-        return bb_fail(BB_REFUSED, "no memory to share with the process that foretells");
-    memset(shared, 0, sizeof *shared);
-    const bb_status status = foretell(what, shared, thrift);
-    (void)munmap(shared, sizeof *shared);
-    return status;
+    told *told = bb_guard_kept();
+    const bool again = told->is_told;
+    *thrift = (bb_thrift){0};
+    if (!again) {
+        prediction *shared =
+            mmap(NULL, sizeof *shared, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+        if (shared == MAP_FAILED)
+            return bb_fail(BB_REFUSED, "no memory to share with the process that foretells");
+        const bb_status status = foretell(what, shared, told);
+        (void)munmap(shared, sizeof *shared);
+        BB_TRY(status);
+    }
+    return what->ends_ms > 0 && !bb_interrupted() ? keep_time(told, what->ends_ms, again, thrift)
+                                                  : BB_OK;
 }

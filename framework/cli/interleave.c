@@ -1,13 +1,14 @@
 #include "framework/cli/interleave.h"
 
+#include "framework/base/clock.h"
 #include "framework/base/file.h"
 #include "framework/base/interrupt.h"
+#include "framework/base/number.h"
 #include "framework/base/random.h"
 #include "framework/cli/inputs.h"
 
 #include <errno.h>
 #include <fcntl.h>
-#include <ftw.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,6 +16,7 @@
 #include <sys/prctl.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 /* ---- one program, once ---- */
@@ -33,15 +35,19 @@ static void become(char *const *arguments, const char *log)
     _exit(127);
 }
 
-/* Waits for the child. Passes on a signal that only the parent got. */
+/* Waits for the child, and looks now and then for a signal that only the parent got. */
 static int wait_for(pid_t child)
 {
+    const struct timespec pause = {0, 50 * 1000000L};
     int status = 0;
-    while (waitpid(child, &status, 0) < 0)
-        if (errno == EINTR && bb_interrupted())
-            kill(child, SIGTERM);
-        else if (errno != EINTR)
+    bool told = false;
+    for (pid_t ended; (ended = waitpid(child, &status, WNOHANG)) != child;
+         nanosleep(&pause, NULL)) {
+        if (ended < 0 && errno != EINTR)
             return -1;
+        if (bb_interrupted() && !told)
+            told = kill(child, SIGTERM) == 0;
+    }
     return status;
 }
 
@@ -121,13 +127,35 @@ static bb_status measure(const bb_interleaving *wanted, const char *folder, uint
     return status;
 }
 
-static bb_status run_pairs(const bb_interleaving *wanted, const char *folder, bb_cell_set *sets[2])
+/* Says what all pairs take, by the discarded one, and fits their number into the time. */
+static bb_status foretell(const bb_interleaving *wanted, double pair_ms, uint32_t *rounds)
+{
+    const double left = wanted->ends_ms - bb_wall_ms();
+    char pair[BB_TIME_TEXT], all[BB_TIME_TEXT];
+    if (wanted->ends_ms > 0 && *rounds * pair_ms > left)
+        *rounds = left > 0 ? (uint32_t)(left / pair_ms) : 0;
+    bb_time_words(pair_ms / 1e3, pair);
+    if (*rounds < wanted->least)
+        return bb_fail(BB_REFUSED,
+                       "compare --time: a pair takes %s, and fewer than %u tell nothing: give more "
+                       "time, or arguments of run with which it takes less",
+                       pair, wanted->least);
+    if (!wanted->quiet)
+        fprintf(stderr, "a pair takes about %s, %u of them %s\n", pair, *rounds,
+                bb_time_words(*rounds * pair_ms / 1e3, all));
+    return BB_OK;
+}
+
+static bb_status run_pairs(const bb_interleaving *wanted, const char *folder, bb_cell_set *sets[2],
+                           uint32_t *pairs)
 {
     bb_random random = bb_random_make(wanted->seed, 0);
-    for (uint32_t round = 0; round <= wanted->rounds; round++) {
+    uint32_t rounds = wanted->rounds;
+    for (uint32_t round = 0; round <= rounds; round++) {
+        const double start_ms = bb_wall_ms();
         int first = (int)bb_random_below(&random, 2);
         if (!wanted->quiet)
-            fprintf(stderr, "pair %u of %u%s\n", round, wanted->rounds,
+            fprintf(stderr, "pair %u of %u%s\n", round, rounds,
                     round == 0 ? ": to warm up, discarded" : "");
         for (int turn = 0; turn < 2; turn++) {
             int k = turn == 0 ? first : 1 - first;
@@ -135,16 +163,11 @@ static bb_status run_pairs(const bb_interleaving *wanted, const char *folder, bb
             if (bb_interrupted())
                 return BB_OK;
         }
+        *pairs = round;
+        if (round == 0)
+            BB_TRY(foretell(wanted, bb_wall_ms() - start_ms, &rounds));
     }
     return BB_OK;
-}
-
-static int remove_entry(const char *path, const struct stat *info, int kind, struct FTW *place)
-{
-    (void)info;
-    (void)kind;
-    (void)place;
-    return remove(path);
 }
 
 static bb_status check_program(const char *path)
@@ -157,24 +180,17 @@ static bb_status check_program(const char *path)
     return BB_OK;
 }
 
-bb_status bb_interleave(const bb_interleaving *wanted, bb_cell_set *sets[2], bool *interrupted)
+bb_status bb_interleave(const bb_interleaving *wanted, bb_cell_set *sets[2], uint32_t *pairs)
 {
-    char temporary[PATH_MAX];
-    const char *folder = wanted->folder, *base = getenv("TMPDIR");
+    char temporary[PATH_MAX] = "";
+    *pairs = 0;
     BB_TRY(check_program(wanted->programs[0]));
     BB_TRY(check_program(wanted->programs[1]));
-    if (folder == NULL) {
-        BB_TRY(bb_join_path(temporary, base != NULL && base[0] != '\0' ? base : "/tmp",
-                            "bvhbench-compare-XXXXXX"));
-        folder = mkdtemp(temporary);
-        if (folder == NULL)
-            return bb_fail(BB_INVALID, "compare: cannot make the folder %s: %s", temporary,
-                           strerror(errno));
-    }
-    bb_interrupt_catch();
-    bb_status status = run_pairs(wanted, folder, sets);
-    *interrupted = bb_interrupted();
     if (wanted->folder == NULL)
-        (void)nftw(folder, remove_entry, 16, FTW_DEPTH | FTW_PHYS);
-    return *interrupted ? BB_OK : status;
+        BB_TRY(bb_temporary_folder(temporary));
+    bb_interrupt_catch();
+    bb_status status =
+        run_pairs(wanted, wanted->folder != NULL ? wanted->folder : temporary, sets, pairs);
+    bb_remove_folder(temporary);
+    return bb_interrupted() ? BB_OK : status;
 }

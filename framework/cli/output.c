@@ -218,6 +218,8 @@ static bb_status compare(const bb_comparison *c, bb_device *device, int *exit_st
     bb_bystanders_start(&watch);
     bb_status status =
         c->shard != NULL ? bb_results_set_shard(results, c->shard, c->shard_of) : BB_OK;
+    if (status == BB_OK && c->reduced_to != NULL && c->reduced_to[0] != '\0')
+        status = bb_results_set_text(results, BB_F_CONTEXT_REDUCED_TO, c->reduced_to);
     if (status == BB_OK)
         status = c->compare(c->request, device, results, &outcome);
     bool measured = bb_section_count(bb_results_section(results, BB_BUILDS)) > 0;

@@ -11,9 +11,10 @@ typedef struct bb_comparison {
     const char *command; /* the command line */
     const bb_device_choice *device;
     const char *folder;
-    const char *history; /* database to which the run is appended; NULL: none */
-    const char *shard;   /* "2/8"; NULL: all cells */
-    uint64_t shard_of;   /* hash of the request, which all shards of the run share */
+    const char *history;    /* database to which the run is appended; NULL: none */
+    const char *shard;      /* "2/8"; NULL: all cells */
+    uint64_t shard_of;      /* hash of the request, which all shards of the run share */
+    const char *reduced_to; /* to keep a time, in words; "" or NULL: not */
     uint64_t seed;
     uint32_t charts; /* after bb_charts_decide() */
     bool quiet;      /* do not report what was written */

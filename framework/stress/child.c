@@ -65,6 +65,7 @@ static void be_child(int (*work)(void *user), void *user, int out, pid_t parent)
     signal(SIGINT, SIG_DFL); /* signals end the child: half of the work is no result */
     signal(SIGTERM, SIG_DFL);
     signal(SIGHUP, SIG_DFL);
+    bb_interrupt_at(0); /* nor does a time that is over make a result */
     if (getppid() != parent)
         _exit(1);
     dup2(out, STDOUT_FILENO);

@@ -208,12 +208,17 @@ static bb_status do_frame(bb_animate *a, uint32_t index, uint32_t round, bb_rand
 static bb_status do_rounds(bb_animate *a, bb_progress *progress)
 {
     bb_random random = bb_random_make(a->request->seed, 77);
-    for (uint32_t round = 0; round <= a->request->repeats; round++) {
+    uint32_t repeats = a->request->repeats;
+    for (uint32_t round = 0; round <= repeats; round++) {
+        const double start = bb_wall_ms();
         for (uint32_t index = 0; index < a->frames && !bb_interrupted(); index++)
             BB_TRY(do_frame(a, index, round, &random, progress));
         if (bb_interrupted())
             break;
         a->result->rounds = round;
+        if (round == 1 && repeats > 1) /* round 0 also judges */
+            repeats = 1 + bb_turns_foretell(progress, a->scene->name, bb_wall_ms() - start,
+                                            repeats - 1, a->request->ends_ms);
     }
     return a->result->rounds > 0
                ? BB_OK

@@ -40,6 +40,7 @@ typedef struct bb_animate_request {
     uint32_t width, height, max_rays;
     uint32_t first, last; /* frames; last may be beyond the scene's */
     uint32_t repeats;     /* rounds that count */
+    double ends_ms; /* bb_wall_ms() at which they are to end: then there are fewer; 0: any time */
     uint64_t seed;
     bool counting;        /* counts tests of each ray in the first round */
     bool quiet;           /* no progress */

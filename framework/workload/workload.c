@@ -34,16 +34,21 @@ bb_status bb_workload_parse(const char *text, bb_spec *spec, const bb_workload *
                    bb_suggested(&meant));
 }
 
+static bool has_option(const bb_workload *workload, const char *name)
+{
+    const bb_option *option = workload->options;
+    while (option != NULL && option->name != NULL && strcmp(option->name, name) != 0)
+        option++;
+    return option != NULL && option->name != NULL;
+}
+
 bb_status bb_workload_at_least(const char *text, uint32_t least, char *more, size_t capacity)
 {
     bb_spec spec;
     const bb_workload *workload;
     BB_TRY(bb_workload_parse(text, &spec, &workload));
-    const bb_option *option = workload->options;
-    while (option != NULL && option->name != NULL && strcmp(option->name, "least") != 0)
-        option++;
-    bool added = option != NULL && option->name != NULL &&
-                 bb_spec_value(&spec, workload->options, "least") == NULL;
+    bool added =
+        has_option(workload, "least") && bb_spec_value(&spec, workload->options, "least") == NULL;
     int length = added ? snprintf(more, capacity, "%s%cleast=%u", text,
                                   strchr(text, ':') != NULL ? ',' : ':', least)
                        : snprintf(more, capacity, "%s", text);
@@ -52,20 +57,42 @@ bb_status bb_workload_at_least(const char *text, uint32_t least, char *more, siz
                : bb_fail(BB_INVALID, "rays '%.80s...': longer than %zu characters", text, capacity);
 }
 
+/* Reads an option that is a number of rays, if it is given; else *count stays. */
+static bb_status read_count(const bb_workload *workload, const bb_spec *spec, const char *name,
+                            uint64_t *count)
+{
+    return has_option(workload, name) && bb_spec_value(spec, workload->options, name) != NULL
+               ? bb_spec_u64(spec, workload->options, name, 1, INT32_MAX, count)
+               : BB_OK;
+}
+
+bb_status bb_workload_most(const char *text, uint32_t width, uint32_t height, uint32_t max_rays,
+                           uint64_t *most)
+{
+    bb_spec spec;
+    const bb_workload *workload;
+    const uint64_t pixels = (uint64_t)width * height;
+    uint64_t count = max_rays, least = 0;
+    BB_TRY(bb_workload_parse(text, &spec, &workload));
+    BB_TRY(read_count(workload, &spec, "count", &count));
+    BB_TRY(read_count(workload, &spec, "least", &least));
+    if (workload->per_view) /* whole pictures */
+        *most = least > pixels && pixels > 0 ? ((least - 1) / pixels + 1) * pixels : pixels;
+    else
+        *most = count < max_rays || workload->beyond_limit ? count : max_rays;
+    return BB_OK;
+}
+
 bb_status bb_workload_check(const char *text, uint32_t max_rays)
 {
     bb_spec spec;
     const bb_workload *workload;
-    uint64_t count = max_rays;
+    uint64_t count;
     BB_TRY(bb_workload_parse(text, &spec, &workload));
-    const bb_option *option = workload->options;
-    while (option != NULL && option->name != NULL && strcmp(option->name, "count") != 0)
-        option++;
-    if (option == NULL || option->name == NULL)
+    if (!has_option(workload, "count"))
         return BB_OK; /* the picture, or its hits, determine the number of rays */
-    if (bb_spec_value(&spec, workload->options, "count") != NULL)
-        BB_TRY(bb_spec_u64(&spec, workload->options, "count", 1, INT32_MAX, &count));
-    return bb_rays_check_room(text, count < max_rays ? count : max_rays);
+    BB_TRY(bb_workload_most(text, 0, 0, max_rays, &count));
+    return bb_rays_check_room(text, count);
 }
 
 bool bb_workload_must_hit(const bb_workload *workload, const bb_scene *scene, const bb_spec *spec)

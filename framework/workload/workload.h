@@ -10,6 +10,7 @@ typedef struct bb_workload {
     const char *summary;
     const bb_query *query;
     bool per_view;            /* once per view; else once per scene */
+    bool beyond_limit;        /* its option `count` may exceed the run's limit */
     const bb_option *options; /* length, count, offset, tmin ... with their defaults */
     /* Fills job->rays (framework/workload/job.h). BB_UNSUPPORTED if the scene has no such rays. */
     bb_status (*make)(bb_rays_job *job);
@@ -22,6 +23,12 @@ extern const bb_workload *const bb_workloads[]; /* generated table; ends with NU
 const bb_workload *bb_workload_find(const char *name);
 /* Finds the workload that `text` names and checks its specification. */
 bb_status bb_workload_parse(const char *text, bb_spec *spec, const bb_workload **workload);
+
+/* Returns in *most how many rays a set has at most, as far as is known without a scene: one for
+ * each pixel of a view, in as many pictures as `least` asks for; of other sets as many as `count`
+ * says, or the run's limit. */
+bb_status bb_workload_most(const char *text, uint32_t width, uint32_t height, uint32_t max_rays,
+                           uint64_t *most);
 
 /* Checks a specification before a run: BB_REFUSED if its rays, at most `max_rays` and as far as is
  * known without a scene, need more memory than the host has. */

@@ -338,6 +338,7 @@ const bb_workload bb_workload_edges = {
     .name = "edges",
     .summary = "at edges and vertices; from inside a closed mesh each must hit; closest hit",
     .query = &bb_query_closest,
+    .beyond_limit = true,
     .options = options_table,
     .make = make_edges,
     .must_hit = must_hit,
