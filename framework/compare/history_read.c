@@ -32,6 +32,7 @@ static void read_origin(sqlite3_stmt *row, bb_origin *o)
     copy(o->seed, sizeof o->seed, row, 7);
     copy(o->shard, sizeof o->shard, row, 8);
     o->interrupted = sqlite3_column_int(row, 9) != 0;
+    o->has_reduced_to = false;
     copy(o->device_type, sizeof o->device_type, row, 10);
     copy(o->governor, sizeof o->governor, row, 11);
     copy(o->smt, sizeof o->smt, row, 12);
