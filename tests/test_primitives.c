@@ -290,9 +290,9 @@ static void check_sort(const subject *s, uint32_t key_bytes, pattern pattern, ui
 static void sorts_like_a_stable_host_sort(void **state)
 {
     (void)state;
-    static const uint32_t all_counts[] = {0,    1,    2,     3,     63,    64,
-                                          65,   255,  256,   257,   1000,  2049,
-                                          8192, 8193, 16385, 16449, 65537, 1000003};
+    static const uint32_t all_counts[] = {0,     1,     2,     3,     63,    64,     65,
+                                          255,   256,   257,   1000,  2049,  8192,   8193,
+                                          16385, 16449, 32768, 32769, 65537, 1000003};
     static const uint32_t some_counts[] = {0, 1, 65, 257, 700};
     static const uint32_t all_bits[] = {1, 8, 9, 30, 31, 32, 63, 64};
     static const uint32_t some_bits[] = {1, 9, 32};

@@ -16,8 +16,8 @@
 enum {
     DIGIT_BITS_CPU = 8, /* for passes over all keys */
     TOP_BITS = 12,      /* of the highest digit */
-    TILE = 8192,  /* places whose buckets one work-item sorts: many fit the second-level cache */
-    ALONE = 8192, /* pairs that one unit sorts faster than several launches take */
+    TILE = 8192,   /* places whose buckets one work-item sorts: many fit the second-level cache */
+    ALONE = 32768, /* pairs that one unit sorts faster than two units and several launches */
     BUCKET_SMALL = 16384, /* pairs that one unit sorts faster than several units start */
     PASSES_MAX = 16,
 };
