@@ -232,7 +232,7 @@ static void texts_of_files_are_no_markup(void **state)
 
 /* ---- pairs: what happens in any that counts ---- */
 
-enum { PAIRS = 10, EACH = PAIRS };
+enum { PAIRS = 14, EACH = PAIRS };
 
 /* As much processor time as wall time. */
 static void give_cpu(bb_entry *entry, bb_field_id wall, bb_field_id cpu)

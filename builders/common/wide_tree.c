@@ -8,10 +8,10 @@
 
 enum {
     GROUP_SIZE = 64,
-    ITEMS_MAX = 1024,    /* on CPUs: items among which cores share the work ... */
-    ITEMS_PER_UNIT = 32, /* ... none of them much of it, ... */
-    SHARE_LEAST = 1024,  /* ... but so many keys, since it takes time to start an item */
-    ITEMS_PER_SHARE = 16,
+    ITEMS_MAX = 1024,     /* on CPUs: items among which cores share the work ... */
+    ITEMS_PER_UNIT = 32,  /* ... none of them much of it, ... */
+    SHARE_LEAST = 1024,   /* ... but so many keys, since it takes time to start an item */
+    ITEMS_PER_SHARE = 16, /* room for the items of a share, and those above */
     TURNS = 32,
     LEVEL_ITEMS = 1 << 14, /* on GPUs: work-items that share a level */
     LEVELS_AT_ONCE = 8,    /* enqueued before asking whether there is a further level */

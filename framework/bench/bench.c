@@ -235,8 +235,9 @@ static bb_status compile_kernels(bb_bench *bench)
 static bb_status time_launches(bb_bench *bench)
 {
     bb_step step = bb_bench_begin(bench);
-    BB_TRY(bb_launch_cost(bench->device, &bench->launch_us));
-    BB_TRY(bb_results_set_number(bench->results, BB_F_CONTEXT_LAUNCH, bench->launch_us));
+    double us;
+    BB_TRY(bb_launch_cost(bench->device, &us));
+    BB_TRY(bb_results_set_number(bench->results, BB_F_CONTEXT_LAUNCH, us));
     return bb_bench_end(bench, step, "time launches", BB_OK);
 }
 

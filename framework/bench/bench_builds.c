@@ -107,7 +107,6 @@ static void record_timing(bb_bench *bench, bb_entrant *entrant, const bb_build_t
     bb_samples_add(&record->restore_ms, timing->restore_ms);
     bb_samples_add(&record->outside_ms, timing->outside_ms);
     record->launches = (uint32_t)timing->timing.launches;
-    record->launch_us = bench->launch_us;
     add_steps(entrant);
     if (isnan(record->prepare_ms)) /* an unseen input may call for it again */
         record->prepare_ms = bb_instance_prepare_ms(instance);

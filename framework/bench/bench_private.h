@@ -73,7 +73,6 @@ typedef struct bb_bench {
     const bb_scene_part *part; /* of the current scene */
     uint32_t set;              /* number of its next ray set */
     bb_bystanders bystanders;  /* watched since the start */
-    double launch_us;          /* of an empty launch */
     const char *scene_text;    /* as asked for; scene->name may be its end only */
     bb_oracle *oracle;
     bb_kernel_choice kernels[BB_KERNELS_MAX];

@@ -129,12 +129,12 @@ static bool has_threads(void)
 /* ---- keeping a time ---- */
 
 /* What was foretold: a process in which a builder dies leaves it to the next. */
-typedef struct told {
+typedef struct outlook {
     bool is_told;
     double seconds[BB_THRIFTS]; /* of all scenes, by thrift */
     bb_bench_request request;   /* whose pointers nobody follows */
-} told;
-_Static_assert(sizeof(told) <= BB_GUARD_KEPT, "a process can leave it to the next");
+} outlook;
+_Static_assert(sizeof(outlook) <= BB_GUARD_KEPT, "a process can leave it to the next");
 
 /* Writes what a request has with this thrift, where it is less; "": nowhere. */
 static void name_reduced(const bb_bench_request *request, uint32_t thrift, char text[BB_REDUCED])
@@ -151,7 +151,7 @@ static void name_reduced(const bb_bench_request *request, uint32_t thrift, char 
                  less.width, less.height, less.max_rays, views, rounds);
 }
 
-static bb_status keep_time(const told *t, double ends_ms, bool again, bb_thrift *thrift)
+static bb_status keep_time(const outlook *t, double ends_ms, bool again, bb_thrift *thrift)
 {
     const double left = (ends_ms - bb_wall_ms()) / 1e3;
     char least[BB_TIME_TEXT], given[BB_TIME_TEXT];
@@ -176,9 +176,9 @@ static bb_status keep_time(const told *t, double ends_ms, bool again, bb_thrift 
     return BB_OK;
 }
 
-static bb_status foretell(const bb_foretelling *what, prediction *p, told *out)
+static bb_status foretell(const bb_foretelling *what, prediction *p, outlook *out)
 {
-    told told = {.is_told = true};
+    outlook told = {.is_told = true};
     for (size_t i = 0; i < what->scenes->count && !bb_interrupted(); i++) {
         const char *scene = what->scenes->items[i];
         if (!has_threads())
@@ -203,7 +203,7 @@ static bb_status foretell(const bb_foretelling *what, prediction *p, told *out)
 
 bb_status bb_foretell(const bb_foretelling *what, bb_thrift *thrift)
 {
-    told *told = bb_guard_kept();
+    outlook *told = bb_guard_kept();
     const bool again = told->is_told;
     *thrift = (bb_thrift){0};
     if (!again) {

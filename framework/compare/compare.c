@@ -209,14 +209,6 @@ static bb_status judge_time(bb_comparison_result *result, const timing *t, const
 
 /* ---- what could have been seen ---- */
 
-static int blindest_first(const void *left, const void *right)
-{
-    const bb_sight *a = left, *b = right;
-    if (a->least != b->least)
-        return a->least > b->least ? -1 : 1;
-    return strcmp(a->cell->key, b->cell->key);
-}
-
 /* The three conditions of the rule, each by itself: the largest of what they need. */
 static double least_seen(const bb_comparison_result *result, const timing *t, double shift)
 {
@@ -225,29 +217,6 @@ static double least_seen(const bb_comparison_result *result, const timing *t, do
     if (!isfinite(e->low))
         return INFINITY;
     return fmax(floor_of(result, t), fmax(interval - 1, expm1(shift)));
-}
-
-static int by_wall_key(const void *left, const void *right)
-{
-    char keys[2][BB_CELL_KEY];
-    bb_wall_key(((const bb_sight *)left)->cell->key, keys[0]);
-    bb_wall_key(((const bb_sight *)right)->cell->key, keys[1]);
-    return strcmp(keys[0], keys[1]);
-}
-
-/* Makes one sight of those of a cell's wall time and processor time: the better one. */
-static void unite_clocks(bb_comparison_result *result)
-{
-    bb_sight *sights = result->sights;
-    uint32_t kept = 0;
-    qsort(sights, result->sight_count, sizeof *sights, by_wall_key);
-    for (uint32_t i = 0; i < result->sight_count; i++)
-        if (kept > 0 && by_wall_key(&sights[kept - 1], &sights[i]) == 0)
-            sights[kept - 1] =
-                blindest_first(&sights[kept - 1], &sights[i]) < 0 ? sights[i] : sights[kept - 1];
-        else
-            sights[kept++] = sights[i];
-    result->sight_count = kept;
 }
 
 static bb_status take_sights(bb_comparison_result *result, const timing *timings,
@@ -262,20 +231,10 @@ static bb_status take_sights(bb_comparison_result *result, const timing *timings
         if (!timings[i].before->reference && !timings[i].after->reference)
             result->sights[result->sight_count++] =
                 (bb_sight){timings[i].before, least_seen(result, &timings[i], shifts[i])};
-    if (status == BB_OK) {
-        unite_clocks(result);
-        qsort(result->sights, result->sight_count, sizeof *result->sights, blindest_first);
-    }
+    if (status == BB_OK)
+        bb_compare_sort_sights(result);
     free(shifts);
     return status;
-}
-
-uint32_t bb_compare_blind(const bb_comparison_result *result, double share)
-{
-    uint32_t blind = 0;
-    while (blind < result->sight_count && result->sights[blind].least > share)
-        blind++;
-    return blind;
 }
 
 static int rising(const void *a, const void *b)

@@ -120,6 +120,8 @@ bb_status bb_compare(const bb_side *before, const bb_side *after, double thresho
                      const bb_floor *floor, bb_comparison_result *result);
 void bb_compare_free(bb_comparison_result *result);
 
+/* Makes one sight of those of a cell's wall time and processor time, the better one; sorts all. */
+void bb_compare_sort_sights(bb_comparison_result *result);
 /* Returns how many sights could not have shown a slowing by this share. */
 uint32_t bb_compare_blind(const bb_comparison_result *result, double share);
 

@@ -42,7 +42,6 @@ typedef struct bb_build_record {
     bb_samples restore_ms; /* restoring of the builder's input before each build; no part of it */
     bb_samples outside_ms; /* time of phases outside the clock */
     uint32_t launches; /* kernels, copies and fills that a build enqueues; 0: none, on the host */
-    double launch_us;  /* time of an empty launch */
     bb_samples unseen_ms; /* builds of inputs that it had not seen; no round of its own */
     bool remembers;       /* these took long, each beside a build of what it had seen */
     double prepare_ms;    /* preparation before the first build; NAN: not measured */

@@ -147,14 +147,15 @@ void bb_put_phases(const bb_put *p)
 void bb_put_layouts(const bb_put *p)
 {
     const bb_build_record *build = p->record;
+    const double us = bb_get_number(p->results->context, BB_F_CONTEXT_LAUNCH);
     for (uint32_t i = 0; i < build->layout_count; i++) {
         bb_entry *part = bb_results_part(p->results, p->entry, build->layouts[i].name);
         bb_put_rounds(part, BB_F_BUILD_LAYOUTS_MS, &build->layouts[i].ms);
         bb_put_number(part, BB_F_BUILD_LAYOUTS_SAH, build->layouts[i].sah);
         bb_put_number(part, BB_F_BUILD_LAYOUTS_BYTES, known(build->layouts[i].bytes));
-        const uint32_t launches = build->launches + build->layouts[i].launches;
-        bb_put_number(part, BB_F_BUILD_LAYOUTS_LAUNCHES, known(launches));
-        bb_put_number(part, BB_F_BUILD_LAYOUTS_FLOOR, known(launches) * build->launch_us / 1e3);
+        const double launches = known(build->launches + build->layouts[i].launches);
+        bb_put_number(part, BB_F_BUILD_LAYOUTS_LAUNCHES, launches);
+        bb_put_number(part, BB_F_BUILD_LAYOUTS_FLOOR, launches * us / 1e3);
     }
 }
 
