@@ -100,6 +100,36 @@ static void what_hangs_is_given_up(void **state)
     assert_non_null(strstr(o->out, "\nok "));          /* after the device's name */
     assert_string_equal(strchr(hung + 1, '\n'), "\n"); /* the last line */
     refuses("", "check --limit soon --scene cube", "--limit");
+    refuses("", "check --scene cube --builder lbvh --time soon", "--time is 'soon'");
+}
+
+/* Every tree is checked, or counted as not checked. */
+static void time_ends_it(void **state)
+{
+    (void)state;
+    const outcome *o = run("check --quiet --scene cube --builder lbvh --time 0.001s");
+    assert_int_equal(o->exit_status, 2);
+    assert_non_null(strstr(o->err, "--time was over before anything was checked"));
+    for (double seconds = 0.1; seconds < 100; seconds *= 2) {
+        char command[200];
+        unsigned checked = 0, left = 0;
+        snprintf(command, sizeof command,
+                 "check --quiet --form both --scene cube --scene interior:n=5000 "
+                 "--builder lbvh,sah,hploc --time %gs",
+                 seconds);
+        o = run(command);
+        if (o->exit_status == 2)
+            continue;
+        const char *sum = strstr(o->out, "scenes: 2; "), *over = strstr(o->err, "--time was over: ");
+        assert_int_equal(o->exit_status, 0);
+        assert_non_null(sum);
+        assert_int_equal(sscanf(sum, "scenes: 2; %u", &checked), 1);
+        if (over != NULL)
+            assert_int_equal(sscanf(over, "--time was over: %u", &left), 1);
+        assert_int_equal(checked + left, 12);
+        if (left == 0)
+            break;
+    }
 }
 
 int main(void)
@@ -111,6 +141,7 @@ int main(void)
         cmocka_unit_test(plugins_come_from_the_environment_too),
         cmocka_unit_test(a_folder_overrides_a_plugins_files),
         cmocka_unit_test(what_hangs_is_given_up),
+        cmocka_unit_test(time_ends_it),
     };
     return cmocka_run_group_tests_name("check", tests, make_folder, remove_folder);
 }

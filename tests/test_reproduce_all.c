@@ -47,11 +47,26 @@ static void papers_have_their_own_scenes(void **state)
     assert_int_not_equal(access("none", F_OK), 0);
 }
 
+static void time_ends_it(void **state)
+{
+    (void)state;
+    refuses("", "reproduce emc --quick --quiet --out none --time 0.001s",
+            "--time was over before anything");
+    refuses("", "reproduce all --quick --out none --time soon", "--time is 'soon'");
+    /* what is kept counts as nothing: volume, the last paper, does not fit */
+    write_file("all/volume/measured-well", "0123456789abcdef", 16);
+    refuses("", ALL " --quiet --time 0.001s", "--time was over before volume was done");
+    const outcome *o = run(ALL " --time 1h --quiet");
+    assert_int_equal(o->exit_status, 0);
+    assert_string_equal(o->err, "");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(all_papers_have_a_page),
         cmocka_unit_test(papers_have_their_own_scenes),
+        cmocka_unit_test(time_ends_it),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

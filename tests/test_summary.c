@@ -325,6 +325,38 @@ static void lonely_sets_are_left_aside(void **state)
     bb_results_destroy(results);
 }
 
+/* A builder that traced nothing but such rays has no row, unless it answered wrong. */
+static void who_traced_no_common_rays_has_no_row(void **state)
+{
+    (void)state;
+    for (int wrong = 0; wrong < 2; wrong++) {
+        bb_results *d = three_builders();
+        const traced t = {.scene = "a",
+                          .builder = "lonely",
+                          .rays = "edges",
+                          .kernel = "stack",
+                          .intersector = "exact",
+                          .wrong_ppm = wrong * 40,
+                          .ms = 1};
+        add_build(d, "a", t.builder, 10, false);
+        add_trace(d, &t);
+        bb_results *results = read_back(d);
+        bb_summary s;
+        assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
+        assert_int_equal(s.builder_count, 3 + wrong);
+        assert_int_equal(s.row_count, 4 + wrong);
+        if (wrong != 0)
+            assert_true(row_of(&s, "lonely")->wrong > 0);
+        bb_summary_free(&s);
+        /* alone with its rays, it has one */
+        assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, "edges"}, &s), BB_OK);
+        assert_int_equal(s.sets, 0);
+        assert_non_null(row_of(&s, "lonely"));
+        bb_summary_free(&s);
+        bb_results_destroy(results);
+    }
+}
+
 static void nothing_to_say_is_no_error(void **state)
 {
     (void)state;
@@ -529,6 +561,7 @@ int main(void)
         cmocka_unit_test(unlike_and_failed_cells_are_counted),
         cmocka_unit_test(the_page_gets_the_same_figures),
         cmocka_unit_test(lonely_sets_are_left_aside),
+        cmocka_unit_test(who_traced_no_common_rays_has_no_row),
         cmocka_unit_test(nothing_to_say_is_no_error),
         cmocka_unit_test(what_is_partial_has_no_rank),
         cmocka_unit_test(runs_are_not_held_against_each_other),

@@ -2,10 +2,12 @@
  * scenes before large ones. Each tree is held to the promises of the common tree, must come out the
  * same bit for bit when built again (by the same object, and by a fresh one), and must be traced
  * rightly: by every kernel as by brute force, bit for bit. */
+#include "framework/base/clock.h"
 #include "framework/base/progress.h"
 #include "framework/bench/conformance.h"
 #include "framework/builder/guard.h"
 #include "framework/cli/choice.h"
+#include "framework/cli/time_option.h"
 #include "framework/cli/watchdog.h"
 #include "framework/device/device_private.h"
 #include "framework/scene/scene.h"
@@ -78,8 +80,11 @@ typedef struct check {
     uint64_t seed;  /* seed of the ray sets */
     uint32_t side;  /* a ray set has side * side rays */
     uint32_t limit; /* most seconds for each line of the table; 0: no limit */
+    const char *time;
+    double ends_ms; /* bb_wall_ms() when the time is over; 0: never */
     bb_progress progress;
     uint32_t checked, failed;
+    uint32_t skipped; /* for want of time: trees */
     pace paces[BB_NAMES_MAX];
     bb_conformed found[FORMS_MAX][BB_NAMES_MAX]; /* on the current scene */
     bool conforms[FORMS_MAX][BB_NAMES_MAX];
@@ -102,6 +107,8 @@ static const bb_cli_option options[] = {
      "most time for one builder on one scene, with checks but without compiling; after that, "
      "`check` ends; 0: no limit",
      BB_INTO(check, limit), .high = 1000000, .fallback = "900"},
+    BB_TIME_OPTION(check, time,
+                   "no check begins later than this, such as 5min; what is left is said"),
     BB_QUIET_OPTION(check, quiet),
     {.name = NULL},
 };
@@ -220,11 +227,27 @@ static void check_brute_force(check *c, bb_conformance *conformance, const char 
     say(c, "FAILED", scene, what, bb_message());
 }
 
+static bool is_over(const check *c)
+{
+    return c->ends_ms > 0 && bb_wall_ms() >= c->ends_ms;
+}
+
+static void skip(check *c, uint32_t form, size_t i)
+{
+    c->conforms[form][i] = false;
+    c->skipped++;
+}
+
 static bb_status check_scene(check *c, uint32_t form, const char *name)
 {
     bb_scene *scene = NULL;
     bb_conformance *conformance = NULL;
     bb_device *device = c->devices[form];
+    if (is_over(c)) {
+        for (size_t i = 0; i < c->builders.count; i++)
+            skip(c, form, i);
+        return BB_OK;
+    }
     bb_status status = bb_scene_load(name, &scene);
     if (status == BB_OK)
         bb_progress_stage(&c->progress, (uint32_t)c->builders.count, "%s: %u primitives%s", name,
@@ -239,7 +262,10 @@ static bb_status check_scene(check *c, uint32_t form, const char *name)
     if (status == BB_OK)
         check_brute_force(c, conformance, name);
     for (size_t i = 0; i < c->builders.count && status == BB_OK; i++) {
-        check_builder(c, form, conformance, scene, i);
+        if (is_over(c))
+            skip(c, form, i);
+        else
+            check_builder(c, form, conformance, scene, i);
         status = bb_device_check(device);
     }
     bb_conformance_destroy(conformance);
@@ -333,7 +359,8 @@ static bb_status check_all(check *c)
             compare_forms(c, c->scenes.items[s]);
     }
     say_paces(c);
-    find_unchecked(c);
+    if (c->skipped == 0)
+        find_unchecked(c);
     bb_progress_end(&c->progress);
     return BB_OK;
 }
@@ -342,6 +369,7 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
 {
     (void)cli;
     check *c = values;
+    BB_TRY(bb_time_option(c->time, &c->ends_ms));
     BB_TRY(bb_load_plugins(&c->choice.plugins));
     BB_TRY(bb_choose_builders(&c->builders, true));
     BB_TRY(complete(c));
@@ -353,10 +381,15 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
     fflush(stdout);
     bb_progress_start(&c->progress, c->quiet);
     BB_TRY(check_all(c));
+    if (c->skipped > 0 && c->checked + c->failed == 0)
+        return bb_fail(BB_REFUSED, "check: --time was over before anything was checked: give more "
+                                   "time");
     say_compiling(c);
     printf("builders: %zu, scenes: %zu; %u trees checked, %u checks failed\n", c->builders.count,
            c->scenes.count, c->checked, c->failed);
-    if (c->checked == 0)
+    if (c->skipped > 0)
+        fprintf(stderr, "bvhbench: --time was over: %u trees were not checked\n", c->skipped);
+    else if (c->checked == 0)
         fprintf(stderr, "bvhbench: no builder supports any of the scenes: nothing was checked\n");
     *exit_status = c->failed > 0 || c->checked == 0 ? BB_EXIT_WRONG : BB_EXIT_OK;
     return BB_OK;

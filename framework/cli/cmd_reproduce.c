@@ -1,8 +1,10 @@
 /* bvhbench reproduce: a paper's experiments, tables and claims beside ours; or all papers'. */
 #include "framework/base/file.h"
+#include "framework/base/interrupt.h"
 #include "framework/cli/inputs.h"
 #include "framework/cli/out_option.h"
 #include "framework/cli/output.h"
+#include "framework/cli/time_option.h"
 #include "framework/device/run_row.h"
 #include "framework/papers/reproduce.h"
 
@@ -17,8 +19,11 @@ typedef struct wanted {
     bb_reproduce_request request;
     bb_bystanders watch; /* of its contests */
     bb_names scenes;
-    const char *folder, *history;
+    const char *folder, *history, *time;
     uint32_t charts;
+    double ends_ms; /* bb_wall_ms() when the time is over; 0: never */
+    bool is_over;
+    uint32_t done; /* papers: measured, not kept */
 } wanted;
 
 static const bb_cli_option options[] = {
@@ -36,6 +41,9 @@ static const bb_cli_option options[] = {
     {"full-size", NULL,
      "pictures and slices of the papers' sizes (2160^2 and 1024^2; 999^2): hours",
      BB_INTO(wanted, request.full_size), .apart = "quick"},
+    BB_TIME_OPTION(wanted, time,
+                   "end with what was measured by then, such as 90s, 5min or 1.5h; `all` begins no "
+                   "paper later"),
     BB_GROUP(bb_device_options, wanted, device),
     BB_SEED_OPTION(wanted, request.seed),
     {"out", "DIR", "folder for results.json and report.html", BB_INTO(wanted, folder),
@@ -46,6 +54,12 @@ static const bb_cli_option options[] = {
     {.name = NULL},
 };
 
+static bool is_measured(const bb_results *results)
+{
+    return bb_section_count(bb_results_section(results, BB_BUILDS)) > 0 ||
+           bb_section_count(bb_results_section(results, BB_PAPERS)) > 0;
+}
+
 static bb_status reproduce(void *user, bb_device *device, bb_results *results,
                            bb_bench_outcome *outcome)
 {
@@ -54,7 +68,16 @@ static bb_status reproduce(void *user, bb_device *device, bb_results *results,
     w->request.device = device;
     w->request.audit = &outcome->audit;
     w->request.watch = &w->watch;
-    return bb_reproduce(&w->request, results, outcome);
+    bb_interrupt_at(w->ends_ms);
+    const bb_status status = bb_reproduce(&w->request, results, outcome);
+    w->is_over = bb_interrupted_by_time();
+    bb_interrupt_at(0); /* what is left to do takes no time to speak of */
+    if (!w->is_over)
+        return status;
+    return is_measured(results)
+               ? bb_results_set_interrupted(results)
+               : bb_fail(BB_REFUSED, "reproduce %s: --time was over before anything was measured: "
+                                     "give more time", w->request.paper->name);
 }
 
 /* ---- one paper ---- */
@@ -79,7 +102,7 @@ static bb_status run_paper(const bb_cli *cli, wanted *w, const char *folder, int
 /* ---- all of them ---- */
 
 /* In a paper's folder, once all of it was measured and nothing was wrong: a hash of the program,
- * the command, the device, and of the results. */
+ * what was asked of it, the device, and of the results. */
 #define MARK "measured-well"
 enum { MARK_LENGTH = 16 };
 
@@ -87,13 +110,15 @@ typedef struct mark {
     char text[MARK_LENGTH + 1];
 } mark;
 
-static bb_status identify(const bb_cli *cli, const bb_device_choice *choice, uint64_t *own)
+static bb_status identify(const bb_cli *cli, const wanted *w, uint64_t *own)
 {
+    const bb_reproduce_request *r = &w->request;
+    const uint64_t asked[] = {r->repeats, r->max_prims, r->quick, r->full_size, r->seed};
     bb_device *device;
-    BB_TRY(bb_open_device(choice, &device));
+    BB_TRY(bb_open_device(&w->device, &device));
     bb_identity *identity = bb_identity_begin();
-    bb_identity_add_choice(identity, cli, choice);
-    bb_identity_add_text(identity, cli->command_line);
+    bb_identity_add_choice(identity, cli, &w->device);
+    bb_identity_add(identity, asked, sizeof asked);
     bb_identity_add_text(identity, device->name);
     bb_identity_add_text(identity, device->driver);
     bb_device_close(device);
@@ -142,7 +167,7 @@ static bb_results *read_paper(const char *folder)
     return NULL;
 }
 
-/* Measures a paper and, if nothing was wrong, marks its folder. */
+/* Measures a paper and, if all of it was measured and nothing was wrong, marks its folder. */
 static bb_status measure_paper(const bb_cli *cli, wanted *w, const char *folder, uint64_t own,
                                int *exit_status)
 {
@@ -150,7 +175,10 @@ static bb_status measure_paper(const bb_cli *cli, wanted *w, const char *folder,
     int ended = BB_EXIT_OK;
     BB_TRY(bb_join_path(path, folder, MARK));
     (void)unlink(path);
-    BB_TRY(run_paper(cli, w, folder, &ended));
+    const bb_status status = run_paper(cli, w, folder, &ended);
+    if (w->is_over)
+        return BB_OK;
+    BB_TRY(status);
     *exit_status = ended != BB_EXIT_OK ? ended : *exit_status;
     mark now;
     if (ended != BB_EXIT_OK)
@@ -172,10 +200,13 @@ static bb_status add_paper(const bb_cli *cli, wanted *w, uint64_t own, bb_page *
                     bb_get_text(bb_results_context(results), BB_F_CONTEXT_DATE));
     } else {
         BB_TRY(measure_paper(cli, w, folder, own, exit_status));
+        if (w->is_over || *exit_status == BB_EXIT_INTERRUPTED)
+            return BB_OK; /* what may be in the folder is older */
         results = read_paper(folder);
+        w->done++;
     }
-    if (results == NULL) /* interrupted */
-        return BB_OK;
+    if (results == NULL)
+        return bb_fail(BB_FAILED, "%s: cannot read what was measured", folder);
     bb_reproduction_show(results, page);
     bb_page_say(page, "measured by `%s` on %s, in %.0f s",
                 bb_get_text(bb_results_context(results), BB_F_CONTEXT_COMMAND),
@@ -225,37 +256,55 @@ static bb_status run_all(const bb_cli *cli, wanted *w, int *exit_status)
         BB_TRY(bb_reproduce_check(&w->request));
     }
     BB_TRY(bb_out_folder(w->folder));
-    BB_TRY(identify(cli, &w->device, &own));
+    BB_TRY(identify(cli, w, &own));
     BB_TRY(bb_page_create("Papers: their tables and claims beside ours", &page));
     bb_status status = BB_OK;
     for (const bb_paper *const *paper = bb_papers;
-         *paper != NULL && status == BB_OK && *exit_status != BB_EXIT_INTERRUPTED; paper++) {
+         *paper != NULL && status == BB_OK && !w->is_over && *exit_status != BB_EXIT_INTERRUPTED;
+         paper++) {
         w->request.paper = *paper;
         status = add_paper(cli, w, own, page, exit_status);
     }
     if (status == BB_OK)
         status = write_pages(w, page);
     bb_page_free(page);
+    if (status == BB_OK && w->is_over && w->done == 0)
+        return bb_fail(BB_REFUSED, "reproduce all: --time was over before %s was done: give more "
+                                   "time", w->request.paper->name);
     return status;
+}
+
+static void say_over(const wanted *w, bool all)
+{
+    if (w->is_over)
+        fprintf(stderr, "bvhbench: --time was over: %s\n",
+                all ? "the same command continues, from the paper on that was not done"
+                    : "claims that need more cannot be told");
 }
 
 static bb_status run(const bb_cli *cli, void *values, int *exit_status)
 {
     wanted *w = values;
     bb_reproduce_request *request = &w->request;
+    BB_TRY(bb_time_option(w->time, &w->ends_ms));
     BB_TRY(bb_charts_decide(&w->charts));
     BB_TRY(bb_load_plugins(&w->device.plugins));
     if (cli->positional_count != 1)
         return bb_fail(BB_INVALID, "reproduce: give one paper: `bvhbench list papers` shows them");
-    if (strcmp(cli->positional[0], "all") == 0)
-        return run_all(cli, w, exit_status);
+    if (strcmp(cli->positional[0], "all") == 0) {
+        BB_TRY(run_all(cli, w, exit_status));
+        say_over(w, true);
+        return BB_OK;
+    }
     BB_TRY(bb_paper_find(cli->positional[0], &request->paper));
     if (w->scenes.count > 0) /* else each experiment has its own */
         BB_TRY(bb_choose_scenes(&w->scenes, bb_add_shipped_scenes));
     request->scenes = w->scenes.items;
     request->scene_count = (uint32_t)w->scenes.count;
     BB_TRY(bb_reproduce_check(request));
-    return run_paper(cli, w, w->folder, exit_status);
+    BB_TRY(run_paper(cli, w, w->folder, exit_status));
+    say_over(w, false);
+    return BB_OK;
 }
 
 extern const bb_command bb_command_reproduce;

@@ -383,6 +383,34 @@ static void find_best(const bb_summary_view *v, bool referenced, best *of)
         referenced ? BB_FASTEST_REFERENCE : bb_best_builder(v, &(bb_measure){BB_OF_TRACE, 0});
 }
 
+/* Whether the entrant traced ray sets, and none of those that are compared. */
+static bool is_aside(const bb_summary_view *v, uint32_t e)
+{
+    bool aside = false;
+    for (uint32_t i = 0; i < v->n->set_count; i++) {
+        const bool traced = bb_fastest(v, e, i, 0) != NULL;
+        if (traced && v->sets[i])
+            return false;
+        aside = aside || traced;
+    }
+    return aside;
+}
+
+/* Leaves out the rows of such entrants, unless something was wrong with them. */
+static void drop_aside(const bb_summary_view *v, bb_summary *s)
+{
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < s->row_count; i++) {
+        const bb_summary_row *row = &s->rows[i];
+        const bool well = row->failed == 0 && !(row->wrong > 0);
+        if (well && s->sets > 0 && is_aside(v, entrant_of(v, row)))
+            s->builder_count -= !row->reference;
+        else
+            s->rows[kept++] = *row;
+    }
+    s->row_count = kept;
+}
+
 static bb_status make_rows(bb_summary_view *v, const bb_summary_choice *choice, bool *enters,
                            bb_summary *s)
 {
@@ -408,6 +436,7 @@ static bb_status make_rows(bb_summary_view *v, const bb_summary_choice *choice, 
     qsort(s->rows, s->row_count, sizeof *s->rows, by_merit);
     group_rows(v, s);
     count_wrong(v->n, choice, s);
+    drop_aside(v, s);
     return find_noise(v, s);
 }
 
