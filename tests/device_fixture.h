@@ -29,7 +29,7 @@ static inline int open_device(void **state)
 static inline int close_device(void **state)
 {
     (void)state;
-    bb_tracers_clear(device);
+    bb_traversers_clear(device);
     bb_device_close(device);
     return 0;
 }

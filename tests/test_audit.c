@@ -255,18 +255,18 @@ static void booking_is_booked(void **state)
  * done. */
 static bb_timing time_trace(bed *b, const bb_buffer *rays, bb_buffer *hits, bool too_early)
 {
-    bb_tracer_request request = {
+    bb_traverser_request request = {
         .query = &bb_query_closest,
         .kernel = bb_kernel_find("stack"),
         .spec = &b->kernel,
         .intersector = bb_intersector_find("exact"),
     };
-    bb_tracer *tracer;
+    bb_traverser *traverser;
     bb_stopwatch watch;
     bb_timing timing;
-    check(bb_tracer_get(device, &request, &b->layout, &tracer), "tracer");
+    check(bb_traverser_get(device, &request, &b->layout, &traverser), "traverser");
     const bb_pass pass = {.query = &bb_query_closest,
-                          .tracer = tracer,
+                          .traverser = traverser,
                           .layout = &b->layout,
                           .rays = rays,
                           .results = hits};

@@ -160,21 +160,21 @@ static void choose(bed *b, const char *kernel)
 static void answer(const bed *b, const bb_ray *rays, uint32_t count, const bb_query *query,
                    void *results)
 {
-    bb_tracer_request request = {
+    bb_traverser_request request = {
         .kernel = bb_kernel_find(b->kernel.name),
         .spec = &b->kernel,
         .intersector = bb_intersector_find("exact"),
         .query = query,
     };
-    bb_tracer *tracer;
+    bb_traverser *traverser;
     bb_buffer d_rays, d_results;
     size_t size = query->result_bytes;
-    check(bb_tracer_get(device, &request, &b->layout, &tracer), "tracer");
+    check(bb_traverser_get(device, &request, &b->layout, &traverser), "traverser");
     make_buffer(&d_rays, rays, count * sizeof *rays);
     make_buffer(&d_results, NULL, (count + 1) * size);
     check(bb_buffer_fill(&d_results, (count + 1) * size, BB_POISON), "poison");
     const bb_pass pass = {.query = query,
-                          .tracer = tracer,
+                          .traverser = traverser,
                           .layout = &b->layout,
                           .rays = &d_rays,
                           .results = &d_results};

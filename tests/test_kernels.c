@@ -143,24 +143,24 @@ static void trace_with(const char *parameters, const bb_layout_data *layout,
     bb_spec spec;
     char text[128];
     snprintf(text, sizeof text, "%s%s", kernel->name, parameters);
-    bb_tracer *tracer;
+    bb_traverser *traverser;
     bb_buffer d_rays = {0}, d_hits = {0}, d_counts = {0};
     bb_count counts[RAYS];
     check(bb_spec_parse(text, &spec), text);
-    bb_tracer_request request = {
+    bb_traverser_request request = {
         .kernel = kernel,
         .spec = &spec,
         .intersector = intersector,
         .query = query,
         .counting = counting,
     };
-    check(bb_tracer_get(device, &request, layout, &tracer), kernel->name);
+    check(bb_traverser_get(device, &request, layout, &traverser), kernel->name);
     check(bb_buffer_reserve(device, NULL, RAYS * sizeof *rays, "rays", &d_rays), "rays");
     check(bb_buffer_reserve(device, NULL, RAYS * sizeof *hits, "hits", &d_hits), "hits");
     check(bb_buffer_reserve(device, NULL, sizeof counts, "counts", &d_counts), "counts");
     check(bb_buffer_write(&d_rays, 0, RAYS * sizeof *rays, rays), "rays");
     const bb_pass pass = {.query = query,
-                          .tracer = tracer,
+                          .traverser = traverser,
                           .layout = layout,
                           .rays = &d_rays,
                           .results = &d_hits,

@@ -72,16 +72,16 @@ static void march_tree(const bed *b, const bb_marcher *marcher, const bb_buffer 
                        bb_light *lights, bb_count *counts)
 {
     bb_buffer d_lights, d_counts;
-    bb_tracer *tracer;
-    bb_tracer_request request = {.kernel = bb_kernel_find(b->kernel.name),
-                                 .spec = &b->kernel,
-                                 .intersector = bb_intersector_find("exact"),
-                                 .counting = true};
-    bb_march_tracer_request(marcher, &request);
-    check(bb_tracer_get(device, &request, &b->layout, &tracer), "tracer");
+    bb_traverser *traverser;
+    bb_traverser_request request = {.kernel = bb_kernel_find(b->kernel.name),
+                                    .spec = &b->kernel,
+                                    .intersector = bb_intersector_find("exact"),
+                                    .counting = true};
+    bb_march_traverser_request(marcher, &request);
+    check(bb_traverser_get(device, &request, &b->layout, &traverser), "traverser");
     make_buffer(&d_lights, NULL, RAYS * sizeof *lights);
     make_buffer(&d_counts, NULL, RAYS * sizeof *counts);
-    bb_pass pass = {.tracer = tracer,
+    bb_pass pass = {.traverser = traverser,
                     .layout = &b->layout,
                     .rays = rays,
                     .results = &d_lights,

@@ -180,15 +180,15 @@ static void a_trail_that_is_too_short_is_never_silent(void **state)
         trace(&b, "exact", &ray, 1, &bb_query_closest, &hit, &count);
         assert_int_equal(hit.prim, BB_POISON);
         assert_int_equal(count.overflow, 1);
-        bb_tracer *tracer;
-        bb_tracer_request request = {
+        bb_traverser *traverser;
+        bb_traverser_request request = {
             .query = &bb_query_closest,
             .kernel = bb_kernel_find(b.kernel.name),
             .spec = &b.kernel,
             .intersector = &bb_intersectors[0],
         };
         b.layout.levels = BB_TRAIL_MAX + 1;
-        assert_int_equal(bb_tracer_get(device, &request, &b.layout, &tracer), BB_UNSUPPORTED);
+        assert_int_equal(bb_traverser_get(device, &request, &b.layout, &traverser), BB_UNSUPPORTED);
         assert_non_null(strstr(bb_message(), "16385"));
     }
     bb_tree_release(&b.instance.tree);

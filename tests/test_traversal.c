@@ -373,26 +373,26 @@ static void long_definitions_are_told_apart(void **state)
     const size_t lengths[] = {8, 500, 700, 900, 1500};
     bed b;
     open_bed(&b, load("cube"), "lbvh", "stack", 1);
-    const bb_tracer_request request = {.kernel = bb_kernel_find("stack"),
-                                       .spec = &b.kernel,
-                                       .intersector = bb_intersector_find("exact"),
-                                       .query = &bb_query_closest,
-                                       .defines = defines};
+    const bb_traverser_request request = {.kernel = bb_kernel_find("stack"),
+                                          .spec = &b.kernel,
+                                          .intersector = bb_intersector_find("exact"),
+                                          .query = &bb_query_closest,
+                                          .defines = defines};
     uint32_t taken = 0;
     for (size_t i = 0; i < sizeof lengths / sizeof lengths[0]; i++) {
-        bb_tracer *tracers[2];
+        bb_traverser *traversers[2];
         bb_status status[2];
         for (int k = 0; k < 2; k++) {
             memset(defines, 'X', lengths[i]);
             memcpy(defines, "-DBB_", 5);
             snprintf(defines + lengths[i], 4, "=%d", k);
-            status[k] = bb_tracer_get(device, &request, &b.layout, &tracers[k]);
+            status[k] = bb_traverser_get(device, &request, &b.layout, &traversers[k]);
             if (status[k] != BB_OK)
                 assert_non_null(strstr(bb_message(), "no room"));
         }
         assert_int_equal(status[0], status[1]);
         if (status[0] == BB_OK)
-            assert_ptr_not_equal(tracers[0], tracers[1]);
+            assert_ptr_not_equal(traversers[0], traversers[1]);
         taken += status[0] == BB_OK;
     }
     assert_in_range(taken, 2, sizeof lengths / sizeof lengths[0] - 1);

@@ -141,19 +141,19 @@ static void ask(const char *kernel, const bb_query *query, const bb_scene *scene
     ASSERT_OK(bb_layout_maker_create(bb_layout_find(found->layout), device, &maker));
     maker.wish = bb_kernel_wish(&spec);
     ASSERT_OK(bb_layout_maker_make(&maker, scene, tree, (uint32_t)leaf, BB_FORMAT_VERTICES, &data));
-    const bb_tracer_request request = {.kernel = found,
-                                       .spec = &spec,
-                                       .intersector = bb_intersector_find("exact"),
-                                       .query = query,
-                                       .counting = true};
-    bb_tracer *tracer;
-    ASSERT_OK(bb_tracer_get(device, &request, &data, &tracer));
+    const bb_traverser_request request = {.kernel = found,
+                                          .spec = &spec,
+                                          .intersector = bb_intersector_find("exact"),
+                                          .query = query,
+                                          .counting = true};
+    bb_traverser *traverser;
+    ASSERT_OK(bb_traverser_get(device, &request, &data, &traverser));
     bb_buffer d_rays, d_results, d_counts;
     make_buffer(&d_rays, rays, RAYS * sizeof *rays);
     make_buffer(&d_results, NULL, RAYS * query->result_bytes);
     make_buffer(&d_counts, NULL, RAYS * sizeof *counts);
     const bb_pass pass = {.query = query,
-                          .tracer = tracer,
+                          .traverser = traverser,
                           .layout = &data,
                           .rays = &d_rays,
                           .results = &d_results,

@@ -73,22 +73,22 @@ static inline void close_bed(bed *b)
 static inline void trace(const bed *b, const char *intersector, const bb_ray *rays, uint32_t count,
                          const bb_query *query, void *hits, bb_count *counts)
 {
-    bb_tracer_request request = {
+    bb_traverser_request request = {
         .kernel = bb_kernel_find(b->kernel.name),
         .spec = &b->kernel,
         .intersector = bb_intersector_find(intersector),
         .query = query,
         .counting = counts != NULL,
     };
-    bb_tracer *tracer;
+    bb_traverser *traverser;
     bb_buffer d_rays = {0}, d_hits = {0}, d_counts = {0};
-    check(bb_tracer_get(device, &request, &b->layout, &tracer), "tracer");
+    check(bb_traverser_get(device, &request, &b->layout, &traverser), "traverser");
     check(bb_buffer_reserve(device, NULL, count * sizeof *rays, "rays", &d_rays), "rays");
     check(bb_buffer_reserve(device, NULL, count * query->result_bytes, "hits", &d_hits), "hits");
     check(bb_buffer_reserve(device, NULL, count * sizeof *counts, "counts", &d_counts), "counts");
     check(bb_buffer_write(&d_rays, 0, count * sizeof *rays, rays), "rays");
     const bb_pass pass = {.query = query,
-                          .tracer = tracer,
+                          .traverser = traverser,
                           .layout = &b->layout,
                           .rays = &d_rays,
                           .results = &d_hits,

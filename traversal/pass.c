@@ -19,15 +19,15 @@ bb_status bb_pass_launch(const bb_pass *pass, uint32_t count)
 
 bb_status bb_pass_sort(const bb_pass *pass, uint32_t count)
 {
-    return bb_tracer_sorts(pass->tracer)
-               ? bb_tracer_sort(pass->tracer, pass->layout, pass->rays, count)
+    return bb_traverser_sorts(pass->traverser)
+               ? bb_traverser_sort(pass->traverser, pass->layout, pass->rays, count)
                : BB_OK;
 }
 
 bb_status bb_pass_trace(const bb_pass *pass, uint32_t count)
 {
-    return bb_tracer_launch(pass->tracer, pass->layout, pass->rays, count, pass->results,
-                            pass->counts, pass->more, pass->more_count);
+    return bb_traverser_launch(pass->traverser, pass->layout, pass->rays, count, pass->results,
+                               pass->counts, pass->more, pass->more_count);
 }
 
 bb_status bb_pass_run(const bb_pass *pass, uint32_t count, void *results, bb_count *counts)

@@ -234,52 +234,54 @@ bb_layout_wish bb_kernel_wish(const bb_spec *spec);
 bb_status bb_kernel_parse(const char *text, bb_spec *spec, const bb_kernel **kernel);
 
 /* A kernel compiled for an intersector, a query, and the needs of a layout. */
-typedef struct bb_tracer bb_tracer;
+typedef struct bb_traverser bb_traverser;
 
-typedef struct bb_tracer_request {
+typedef struct bb_traverser_request {
     const bb_kernel *kernel;
     const bb_spec *spec;
     const bb_intersector *intersector;
     const bb_query *query;
     bool counting;       /* the variant that counts tests and overflows */
     const char *defines; /* additional definitions for the query; NULL: none */
-} bb_tracer_request;
+} bb_traverser_request;
 
-/* Gets a tracer for layouts that need no more than this one: kinds of primitives, stack entries
+/* Gets a traverser for layouts that need no more than this one: kinds of primitives, stack entries
  * (rounded up to 16, 32, 64 ...), levels of a trail (64, 128, 256 ...). A cache of the device owns
- * it until bb_tracers_clear(), so that equal requests compile once. BB_UNSUPPORTED if the kernel
+ * it until bb_traversers_clear(), so that equal requests compile once. BB_UNSUPPORTED if the kernel
  * does not answer the query, or not for these primitives, or if its trail is too short for the
  * tree. BB_REFUSED if the device has no room for a given stack (stack_room.h). BB_FAILED if it does
  * not compile, or its definitions are too long. */
-bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request,
-                        const bb_layout_data *layout, bb_tracer **tracer);
-/* Reports the decisions for such a tracer: stack, levels of the trail, kinds. */
-bb_status bb_tracer_decide(const bb_device *device, const bb_tracer_request *request,
-                           const bb_layout_data *layout, bb_decisions *decisions);
-/* Releases all tracers of the device: before it is closed, and when no tracer is used any more. */
-void bb_tracers_clear(bb_device *device);
+bb_status bb_traverser_get(bb_device *device, const bb_traverser_request *request,
+                           const bb_layout_data *layout, bb_traverser **traverser);
+/* Reports the decisions for such a traverser: stack, levels of the trail, kinds. */
+bb_status bb_traverser_decide(const bb_device *device, const bb_traverser_request *request,
+                              const bb_layout_data *layout, bb_decisions *decisions);
+/* Releases all traversers of the device: before it is closed, and when no traverser is used any more. */
+void bb_traversers_clear(bb_device *device);
 /* Returns the rays of a work-group: fewer than requested if the device only runs the compiled
  * kernel in smaller ones. */
-uint32_t bb_tracer_group_size(const bb_tracer *tracer);
-uint32_t bb_tracer_stack_size(const bb_tracer *tracer); /* 0: no stack of the tree's size */
+uint32_t bb_traverser_group_size(const bb_traverser *traverser);
+uint32_t
+bb_traverser_stack_size(const bb_traverser *traverser); /* 0: no stack of the tree's size */
 /* Private memory of a work-item: of its stacks, and, if the driver reports it, in total. */
-uint64_t bb_tracer_stack_bytes(const bb_tracer *tracer);
-bool bb_tracer_private_bytes(const bb_tracer *tracer, uint64_t *bytes);
-uint64_t bb_tracer_launched(const bb_tracer *tracer); /* number of rays in all its launches */
+uint64_t bb_traverser_stack_bytes(const bb_traverser *traverser);
+bool bb_traverser_private_bytes(const bb_traverser *traverser, uint64_t *bytes);
+uint64_t
+bb_traverser_launched(const bb_traverser *traverser); /* number of rays in all its launches */
 
 /* Returns whether it traces rays in an order of its own. */
-bool bb_tracer_sorts(const bb_tracer *tracer);
-/* Enqueues the sort of rays[0..count), which has to come before each launch of such a tracer
- * (ray_order.h). All tracers of a device share its memory. */
-bb_status bb_tracer_sort(bb_tracer *tracer, const bb_layout_data *layout, const bb_buffer *rays,
-                         uint32_t count);
+bool bb_traverser_sorts(const bb_traverser *traverser);
+/* Enqueues the sort of rays[0..count), which has to come before each launch of such a traverser
+ * (ray_order.h). All traversers of a device share its memory. */
+bb_status bb_traverser_sort(bb_traverser *traverser, const bb_layout_data *layout,
+                            const bb_buffer *rays, uint32_t count);
 
 /* Enqueues the traversal of rays[0..count); does not wait. The layout's format of triangles must be
- * the intersector's. `counts` (bb_count[count]) for counting tracers, otherwise NULL. `more`:
+ * the intersector's. `counts` (bb_count[count]) for counting traversers, otherwise NULL. `more`:
  * additional arguments of the query's kernels, at most BB_MORE_ARGS_MAX; may be NULL.
  */
-bb_status bb_tracer_launch(bb_tracer *tracer, const bb_layout_data *layout, const bb_buffer *rays,
-                           uint32_t count, bb_buffer *results, bb_buffer *counts,
-                           const bb_arg *more, uint32_t more_count);
+bb_status bb_traverser_launch(bb_traverser *traverser, const bb_layout_data *layout,
+                              const bb_buffer *rays, uint32_t count, bb_buffer *results,
+                              bb_buffer *counts, const bb_arg *more, uint32_t more_count);
 
 #endif

@@ -301,7 +301,7 @@ bb_status bb_bench_run(const bb_bench_request *request, bb_results *results,
     bb_counter_release(&bench->counter);
     bb_residency_end(&bench->residency);
     free(bench->intersectors);
-    bb_tracers_clear(bench->device);
+    bb_traversers_clear(bench->device);
     outcome->times.total_ms = bb_wall_ms() - bench->start;
     free(bench);
     return status;

@@ -13,7 +13,7 @@
 static bb_pass pass_of(const bb_trace_set *set, const bb_traced_cell *c)
 {
     return (bb_pass){.query = set->rays->query,
-                     .tracer = c->tracer,
+                     .traverser = c->traverser,
                      .layout = &c->entrant->resident->layouts[c->layout],
                      .rays = &set->bench->rays,
                      .results = &set->bench->answers};
@@ -42,14 +42,14 @@ static bb_status trace_batch(bb_trace_set *set, const bb_pass *pass, uint32_t co
 {
     bb_stopwatch watch;
     bb_timing sort = {0};
-    if (bb_tracer_sorts(pass->tracer)) {
+    if (bb_traverser_sorts(pass->traverser)) {
         BB_TRY(bb_stopwatch_start(set->bench->device, &watch));
         BB_TRY(bb_stopwatch_stop(&watch, bb_pass_sort(pass, count), &sort));
     }
     BB_TRY(bb_stopwatch_start(set->bench->device, &watch));
-    uint64_t before = bb_tracer_launched(pass->tracer);
+    uint64_t before = bb_traverser_launched(pass->traverser);
     bb_status status = bb_pass_trace(pass, count);
-    *timed += bb_tracer_launched(pass->tracer) - before;
+    *timed += bb_traverser_launched(pass->traverser) - before;
     BB_TRY(bb_stopwatch_stop(&watch, status, timing));
     add_timing(timing, &sort);
     *sort_ms = sort.ms;
@@ -118,7 +118,7 @@ static bb_status trace_rays(bb_trace_set *set, bb_traced_cell *c, bb_timing *tim
     bool reference = c->entrant->reference;
     *timing = (bb_timing){0};
     const bb_pass pass = pass_of(set, c);
-    uint64_t timed = 0, before = reference ? 0 : bb_tracer_launched(c->tracer);
+    uint64_t timed = 0, before = reference ? 0 : bb_traverser_launched(c->traverser);
     c->record.launches = 0;
     c->sort_ms = 0;
     for (uint32_t from = 0, count; from < c->count; from += count) {
@@ -144,7 +144,7 @@ static bb_status trace_rays(bb_trace_set *set, bb_traced_cell *c, bb_timing *tim
     bb_audit_timing(&set->bench->outcome->audit, what, timing, true);
     if (!reference)
         bb_audit_launches(&set->bench->outcome->audit, what, timed,
-                          bb_tracer_launched(c->tracer) - before, c->count);
+                          bb_traverser_launched(c->traverser) - before, c->count);
     set->bench->outcome->times.trace_ms += timing->ms;
     return BB_OK;
 }
@@ -164,10 +164,10 @@ bb_status bb_trace_once(bb_trace_set *set, bb_traced_cell *c, bb_timing *timing)
 
 /* ---- preparation and judgement ---- */
 
-static bb_tracer_request tracer_request(const bb_trace_set *set, const bb_traced_cell *c)
+static bb_traverser_request traverser_request(const bb_trace_set *set, const bb_traced_cell *c)
 {
     const bb_kernel_choice *choice = &set->bench->kernels[c->kernel];
-    return (bb_tracer_request){
+    return (bb_traverser_request){
         .kernel = choice->kernel,
         .spec = &choice->spec,
         .intersector = c->intersector,
@@ -176,20 +176,20 @@ static bb_tracer_request tracer_request(const bb_trace_set *set, const bb_traced
 }
 
 /* Notes once, for a kernel made for CPUs, what it needs on another device. */
-static void note_private(bb_bench *bench, bb_kernel_choice *choice, const bb_tracer *tracer)
+static void note_private(bb_bench *bench, bb_kernel_choice *choice, const bb_traverser *traverser)
 {
     char by_driver[48] = "the driver does not tell how much in all";
     uint64_t bytes;
     if (bench->device->is_cpu || choice->noted || !bb_kernel_is_for_cpus(choice->kernel))
         return;
     choice->noted = true;
-    if (bb_tracer_private_bytes(tracer, &bytes))
+    if (bb_traverser_private_bytes(traverser, &bytes))
         snprintf(by_driver, sizeof by_driver, "%llu in all, says the driver",
                  (unsigned long long)bytes);
     bb_progress_note(bench->progress,
                      "%s is for CPUs: the stacks of a work-item are %llu bytes of private memory "
                      "(%s)",
-                     choice->spec.text, (unsigned long long)bb_tracer_stack_bytes(tracer),
+                     choice->spec.text, (unsigned long long)bb_traverser_stack_bytes(traverser),
                      by_driver);
 }
 
@@ -209,17 +209,17 @@ static void note_stack(bb_bench *bench, bb_kernel_choice *choice, const bb_decis
     }
 }
 
-static bb_status make_tracer(bb_trace_set *set, bb_traced_cell *c)
+static bb_status make_traverser(bb_trace_set *set, bb_traced_cell *c)
 {
     bb_bench *bench = set->bench;
     const bb_layout_data *layout = &c->entrant->resident->layouts[c->layout];
-    bb_tracer_request request = tracer_request(set, c);
-    BB_TRY(bb_tracer_get(bench->device, &request, layout, &c->tracer));
-    c->record.group_size = bb_tracer_group_size(c->tracer);
-    c->record.stack_size = bb_tracer_stack_size(c->tracer);
-    BB_TRY(bb_tracer_decide(bench->device, &request, layout, &c->record.decisions));
+    bb_traverser_request request = traverser_request(set, c);
+    BB_TRY(bb_traverser_get(bench->device, &request, layout, &c->traverser));
+    c->record.group_size = bb_traverser_group_size(c->traverser);
+    c->record.stack_size = bb_traverser_stack_size(c->traverser);
+    BB_TRY(bb_traverser_decide(bench->device, &request, layout, &c->record.decisions));
     note_stack(bench, &bench->kernels[c->kernel], &c->record.decisions);
-    note_private(bench, &bench->kernels[c->kernel], c->tracer);
+    note_private(bench, &bench->kernels[c->kernel], c->traverser);
     snprintf(c->record.layout, sizeof c->record.layout, "%s", layout->name);
     c->record.native = layout->keeps_shape;
     /* compile for the group size before the clock runs */
@@ -236,7 +236,7 @@ bb_status bb_trace_prepare(bb_trace_set *set, bb_traced_cell *c)
     BB_TRY(bb_bench_layout(set->bench, c->entrant, c->layout));
     bb_step step = bb_bench_begin(set->bench);
     enter(&c->record, "compile");
-    bb_status status = make_tracer(set, c);
+    bb_status status = make_traverser(set, c);
     bb_guard_leave();
     return bb_bench_end(set->bench, step, "compile kernels", status);
 }
@@ -303,7 +303,7 @@ bb_status bb_trace_count(bb_trace_set *set, bb_traced_cell *c)
     uint32_t count = c->count < most ? c->count : most;
     bb_tests tests;
     enter(&c->record, "count");
-    bb_status status = bb_count_tests(&bench->counter, tracer_request(set, c),
+    bb_status status = bb_count_tests(&bench->counter, traverser_request(set, c),
                                       &c->entrant->resident->layouts[c->layout], set->rays,
                                       c->count, count, &tests);
     bb_guard_leave();

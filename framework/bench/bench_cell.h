@@ -12,7 +12,7 @@ typedef struct bb_traced_cell {
     uint32_t kernel; /* index of the kernel's choice */
     uint32_t layout; /* index of the layout that it reads */
     const bb_intersector *intersector;
-    bb_tracer *tracer;
+    bb_traverser *traverser;
     uint32_t count; /* rays that it traces, the first of the set */
     uint32_t batch; /* most rays of a launch */
     double sort_ms; /* of the last trace: sorting its rays */
@@ -42,7 +42,7 @@ bb_guarded bb_trace_guarded(const bb_trace_record *r);
 /* Uploads rays [from, from + count), unless they are on the device already. */
 bb_status bb_trace_load(bb_trace_set *set, uint32_t from, uint32_t count);
 
-/* Makes the tracer, and compiles it for its group size. */
+/* Makes the traverser, and compiles it for its group size. */
 bb_status bb_trace_prepare(bb_trace_set *set, bb_traced_cell *c);
 /* Traces the cell's rays once, in batches, into set->results. A reference's event time is that of
  * its threads. */

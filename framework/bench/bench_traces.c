@@ -144,7 +144,7 @@ static bb_status take_turn(void *self, uint32_t who, uint32_t round, double *ms)
         bb_samples_add(&c->record.ms, timing.ms);
         bb_samples_add(&c->record.event_ms, timing.event_ms);
         bb_samples_add(&c->record.cpu_ms, timing.cpu_ms);
-        if (c->tracer != NULL && bb_tracer_sorts(c->tracer))
+        if (c->traverser != NULL && bb_traverser_sorts(c->traverser))
             bb_samples_add(&c->record.sort_ms, c->sort_ms);
         status = bb_trace_judge(set, c);
     }

@@ -53,17 +53,17 @@ static bb_status trace(bb_conformance *c, const bb_ray_set *set, const bb_kernel
 {
     bb_spec spec;
     BB_TRY(bb_spec_parse(kernel->name, &spec));
-    bb_tracer_request request = {
+    bb_traverser_request request = {
         .kernel = kernel,
         .spec = &spec,
         .intersector = &bb_intersectors[0],
         .query = set->rays->query,
     };
-    bb_tracer *tracer;
-    BB_TRY(bb_tracer_get(c->device, &request, layout, &tracer));
-    *overflows = !kernel->stackless && layout->stack_need > bb_tracer_stack_size(tracer);
+    bb_traverser *traverser;
+    BB_TRY(bb_traverser_get(c->device, &request, layout, &traverser));
+    *overflows = !kernel->stackless && layout->stack_need > bb_traverser_stack_size(traverser);
     const bb_pass pass = {.query = set->rays->query,
-                          .tracer = tracer,
+                          .traverser = traverser,
                           .layout = layout,
                           .rays = &set->rays->on_device,
                           .results = &c->d_results};
@@ -327,7 +327,7 @@ void bb_conformance_destroy(bb_conformance *c)
     bb_host_free(c->results);
     bb_oracle_destroy(c->oracle);
     bb_scene_free(c->reversed);
-    bb_tracers_clear(c->device);
+    bb_traversers_clear(c->device);
     free(c);
 }
 

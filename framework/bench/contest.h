@@ -43,9 +43,9 @@ typedef struct bb_contest_runner {
     const bb_layout *layout; /* NULL without a tree */
     const bb_layout_data *data[BB_CONTEST_SCENES_MAX];
     bb_buffer lists[BB_CONTEST_SCENES_MAX];
-    bb_tracer *tracers[2];    /* the task's to fill: not counting, counting; NULL: a search */
-    bool by_boundary;         /* flags of the boundary are used */
-    uint32_t entrant, choice; /* the contest's own */
+    bb_traverser *traversers[2]; /* the task's to fill: not counting, counting; NULL: a search */
+    bool by_boundary;            /* flags of the boundary are used */
+    uint32_t entrant, choice;    /* the contest's own */
 } bb_contest_runner;
 
 /* Answers on the device; `counts` (bb_count) is NULL if they are not asked for. */

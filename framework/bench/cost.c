@@ -18,10 +18,10 @@ static bb_status count_all(const bb_kernel *kernel, bb_layout_maker *maker, cons
         status = bb_counter_create(maker->device, NULL, SAMPLE, &counter);
     for (uint32_t i = 0; i < set_count && status == BB_OK; i++) {
         const uint32_t count = sets[i]->count < SAMPLE ? sets[i]->count : SAMPLE;
-        const bb_tracer_request request = {.kernel = kernel,
-                                           .spec = &spec,
-                                           .intersector = &bb_intersectors[0],
-                                           .query = sets[i]->query};
+        const bb_traverser_request request = {.kernel = kernel,
+                                              .spec = &spec,
+                                              .intersector = &bb_intersectors[0],
+                                              .query = sets[i]->query};
         bb_tests sums;
         status = bb_count_tests(&counter, request, &layout, sets[i], sets[i]->count, count, &sums);
         tests[i] = ((double)sums.nodes + (double)sums.prims) / count;

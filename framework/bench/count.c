@@ -46,17 +46,17 @@ static bb_status add_counts(bb_counter *counter, uint32_t count, bb_tests *tests
     return status;
 }
 
-bb_status bb_count_tests(bb_counter *counter, bb_tracer_request request,
+bb_status bb_count_tests(bb_counter *counter, bb_traverser_request request,
                          const bb_layout_data *layout, const bb_rays *rays, uint32_t of,
                          uint32_t count, bb_tests *tests)
 {
-    bb_tracer *tracer;
+    bb_traverser *traverser;
     *tests = (bb_tests){0};
     request.counting = true;
-    BB_TRY(bb_tracer_get(counter->device, &request, layout, &tracer));
+    BB_TRY(bb_traverser_get(counter->device, &request, layout, &traverser));
     BB_TRY(load_sample(counter, rays, of, count));
     const bb_pass pass = {.query = rays->query,
-                          .tracer = tracer,
+                          .traverser = traverser,
                           .layout = layout,
                           .rays = &counter->rays,
                           .results = &counter->answers,

@@ -23,8 +23,8 @@ bb_status bb_counter_create(bb_device *device, bb_account *account, uint32_t mos
 void bb_counter_release(bb_counter *counter); /* a zeroed one is allowed */
 
 /* Traces `count` of the first `of` rays, evenly spaced, by the counting variant of the requested
- * tracer. */
-bb_status bb_count_tests(bb_counter *counter, bb_tracer_request request,
+ * traverser. */
+bb_status bb_count_tests(bb_counter *counter, bb_traverser_request request,
                          const bb_layout_data *layout, const bb_rays *rays, uint32_t of,
                          uint32_t count, bb_tests *tests);
 

@@ -106,22 +106,22 @@ static bb_status make_layout(rendering *r)
 static bb_status trace(rendering *r)
 {
     uint32_t count = r->rays->count;
-    bb_tracer *tracer;
-    bb_tracer_request request = {
+    bb_traverser *traverser;
+    bb_traverser_request request = {
         .kernel = r->kernel,
         .spec = &r->kernel_spec,
         .intersector = &r->intersector,
         .query = &bb_query_closest,
         .counting = true,
     };
-    BB_TRY(bb_tracer_get(r->device, &request, &r->layout, &tracer));
+    BB_TRY(bb_traverser_get(r->device, &request, &r->layout, &traverser));
     BB_TRY(bb_buffer_reserve(r->device, &r->account, count * sizeof(bb_hit), "hits", &r->d_hits));
     BB_TRY(bb_buffer_reserve(r->device, &r->account, count * sizeof(bb_count), "counts",
                              &r->d_counts));
     BB_TRY(bb_host_alloc(NULL, count * sizeof(bb_hit), "hits", &r->hits));
     BB_TRY(bb_host_alloc(NULL, count * sizeof(bb_count), "counts", &r->counts));
     const bb_pass pass = {.query = &bb_query_closest,
-                          .tracer = tracer,
+                          .traverser = traverser,
                           .layout = &r->layout,
                           .rays = &r->rays->on_device,
                           .results = &r->d_hits,
@@ -254,7 +254,7 @@ static void release(void *values)
     bb_oracle_destroy(r->oracle);
     bb_scene_free(r->scene);
     if (r->device != NULL)
-        bb_tracers_clear(r->device);
+        bb_traversers_clear(r->device);
     bb_device_close(r->device);
 }
 

@@ -175,7 +175,7 @@ static bb_status compare_scene(job *j, const char *name)
         status = bb_scene_upload(scene, j->request.contest.device);
     if (status == BB_OK)
         status = compare_transfers(j, scene);
-    bb_tracers_clear(j->request.contest.device);
+    bb_traversers_clear(j->request.contest.device);
     bb_scene_free(scene);
     return status;
 }

@@ -124,7 +124,7 @@ static bb_status load_and_animate(const bb_reproduce_request *request, bb_dynami
     bb_status status = bb_scene_upload(scene, request->device);
     for (int small = 0; small < 2 && status == BB_OK; small++)
         status = animate(request, scene, at, small == 1, f->table, wrong);
-    bb_tracers_clear(request->device);
+    bb_traversers_clear(request->device);
     bb_scene_free(scene);
     return status;
 }

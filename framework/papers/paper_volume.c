@@ -102,7 +102,7 @@ static bb_status measure_scene(const bb_reproduce_request *request, const char *
     bb_table_set_number(f->table, row, &turns, dvr.turns);
     add_sums(f->table, name);
     *wrong = *wrong || bb_outline_is_wrong(&bb_dvr_outline, f->table);
-    bb_tracers_clear(request->device);
+    bb_traversers_clear(request->device);
     return status;
 }
 

@@ -140,7 +140,7 @@ static bb_status run(const bb_points *points, bb_device *device, const bb_point_
     bb_status status = bb_scene_upload(scene, device);
     if (status == BB_OK)
         status = bb_animate_run(&request, scene, result);
-    bb_tracers_clear(device);
+    bb_traversers_clear(device);
     bb_scene_free(scene);
     return status;
 }

@@ -168,9 +168,9 @@ static bb_status look_at_tree(bb_animate *a, bb_animate_runner *runner, uint32_t
 
 /* ---- traces ---- */
 
-static bb_tracer_request tracer_of(const bb_animate *a, uint32_t k, const bb_rays *rays)
+static bb_traverser_request traverser_of(const bb_animate *a, uint32_t k, const bb_rays *rays)
 {
-    return (bb_tracer_request){
+    return (bb_traverser_request){
         .kernel = a->kernels[k],
         .spec = &a->kernel_specs[k],
         .intersector = &a->intersector,
@@ -178,13 +178,13 @@ static bb_tracer_request tracer_of(const bb_animate *a, uint32_t k, const bb_ray
     };
 }
 
-static bb_status get_tracer(bb_animate *a, bb_animate_runner *runner, uint32_t k, uint32_t set,
-                            const bb_rays *rays, bool *fresh)
+static bb_status get_traverser(bb_animate *a, bb_animate_runner *runner, uint32_t k, uint32_t set,
+                               const bb_rays *rays, bool *fresh)
 {
-    const bb_tracer_request request = tracer_of(a, k, rays);
-    bb_tracer *before = runner->tracers[k][set];
-    BB_TRY(bb_tracer_get(a->device, &request, &runner->layouts[k], &runner->tracers[k][set]));
-    *fresh = runner->tracers[k][set] != before;
+    const bb_traverser_request request = traverser_of(a, k, rays);
+    bb_traverser *before = runner->traversers[k][set];
+    BB_TRY(bb_traverser_get(a->device, &request, &runner->layouts[k], &runner->traversers[k][set]));
+    *fresh = runner->traversers[k][set] != before;
     return BB_OK;
 }
 
@@ -215,7 +215,7 @@ static bb_status count_tests(bb_animate *a, bb_animate_runner *runner, uint32_t 
     if (a->counted < rays->count)
         BB_TRY(bb_counter_create(a->device, NULL, rays->count, &a->counter));
     a->counted = a->counted > rays->count ? a->counted : rays->count;
-    BB_TRY(bb_count_tests(&a->counter, tracer_of(a, k, rays), &runner->layouts[k], rays,
+    BB_TRY(bb_count_tests(&a->counter, traverser_of(a, k, rays), &runner->layouts[k], rays,
                           rays->count, rays->count, &tests));
     trace->tests += tests.nodes + tests.prims;
     trace->overflowed += tests.overflowed;
@@ -233,14 +233,14 @@ static bb_status trace_set(bb_animate *a, bb_animate_runner *runner, uint32_t in
     if (rays == NULL)
         return BB_OK;
     BB_TRY(bb_animate_load_rays(a, rays));
-    BB_TRY(get_tracer(a, runner, k, set, rays, &fresh));
+    BB_TRY(get_traverser(a, runner, k, set, rays, &fresh));
     const bb_pass pass = {.query = rays->query,
-                          .tracer = runner->tracers[k][set],
+                          .traverser = runner->traversers[k][set],
                           .layout = &runner->layouts[k],
                           .rays = &a->d_rays,
                           .results = &a->d_answers};
     if (fresh) { /* compiled for the group size before the clock runs */
-        uint32_t few = bb_tracer_group_size(pass.tracer);
+        uint32_t few = bb_traverser_group_size(pass.traverser);
         BB_TRY(bb_pass_launch(&pass, rays->count < few ? rays->count : few));
     }
     BB_TRY(bb_pass_poison(&pass, rays->count));

@@ -20,7 +20,7 @@ typedef struct bb_animate_runner {
     bb_instance instance;
     bb_layout_maker makers[BB_ANIMATE_KERNELS_MAX];
     bb_layout_data layouts[BB_ANIMATE_KERNELS_MAX];
-    bb_tracer *tracers[BB_ANIMATE_KERNELS_MAX][BB_ANIMATE_RAYS_MAX]; /* the last */
+    bb_traverser *traversers[BB_ANIMATE_KERNELS_MAX][BB_ANIMATE_RAYS_MAX]; /* the last */
     uint64_t *hashes; /* of answers in the first round: frames * kernels * sets */
 } bb_animate_runner;
 

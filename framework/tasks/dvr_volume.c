@@ -9,12 +9,13 @@ static bb_status compile(void *self, const bb_kernel *kernel, const bb_spec *spe
 {
     const bb_dvr *dvr = self;
     for (int counting = 0; counting < 2; counting++) {
-        bb_tracer_request request = {.kernel = kernel,
-                                     .spec = spec,
-                                     .intersector = &bb_intersectors[0],
-                                     .counting = counting != 0};
-        bb_march_tracer_request(dvr->marcher, &request);
-        BB_TRY(bb_tracer_get(dvr->device, &request, runner->data[0], &runner->tracers[counting]));
+        bb_traverser_request request = {.kernel = kernel,
+                                        .spec = spec,
+                                        .intersector = &bb_intersectors[0],
+                                        .counting = counting != 0};
+        bb_march_traverser_request(dvr->marcher, &request);
+        BB_TRY(bb_traverser_get(dvr->device, &request, runner->data[0],
+                                &runner->traversers[counting]));
     }
     return BB_OK;
 }
@@ -31,7 +32,7 @@ static bb_status ask(void *self, const bb_contest_runner *runner, bb_contest_ans
     if (runner->without)
         return bb_march_all(dvr->marcher, &dvr->rays.on_device, dvr->pixels, answers.items,
                             answers.counts);
-    bb_pass pass = {.tracer = runner->tracers[counting],
+    bb_pass pass = {.traverser = runner->traversers[counting],
                     .layout = runner->data[0],
                     .rays = &dvr->rays.on_device,
                     .results = answers.items,

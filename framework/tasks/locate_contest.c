@@ -135,13 +135,13 @@ static bb_status compile(void *self, const bb_kernel *kernel, const bb_spec *spe
 {
     const location *l = self;
     for (int counting = 0; counting < 2; counting++) {
-        const bb_tracer_request request = {.kernel = kernel,
-                                           .spec = spec,
-                                           .intersector = &bb_intersectors[0],
-                                           .query = bb_query_find("closest"),
-                                           .counting = counting != 0};
-        BB_TRY(bb_tracer_get(l->request->contest.device, &request, runner->data[0],
-                             &runner->tracers[counting]));
+        const bb_traverser_request request = {.kernel = kernel,
+                                              .spec = spec,
+                                              .intersector = &bb_intersectors[0],
+                                              .query = bb_query_find("closest"),
+                                              .counting = counting != 0};
+        BB_TRY(bb_traverser_get(l->request->contest.device, &request, runner->data[0],
+                                &runner->traversers[counting]));
     }
     return BB_OK;
 }
@@ -185,12 +185,12 @@ static bb_status ask(void *self, const bb_contest_runner *runner, bb_contest_ans
 {
     location *l = self;
     const bb_pass pass = {.query = bb_query_find("closest"),
-                          .tracer = runner->tracers[answers.counts != NULL],
+                          .traverser = runner->traversers[answers.counts != NULL],
                           .layout = runner->data[0],
                           .rays = &l->rays.on_device,
                           .results = &l->d_hits,
                           .counts = answers.counts};
-    if (pass.tracer == NULL)
+    if (pass.traverser == NULL)
         return ask_tets(l, runner, answers);
     if (answers.counts != NULL) /* it is not timed */
         BB_TRY(bb_pass_poison(&pass, l->request->points));

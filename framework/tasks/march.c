@@ -143,7 +143,7 @@ bb_status bb_march_check(const bb_scene *scene, const bb_rays *rays, float step)
     return BB_OK;
 }
 
-void bb_march_tracer_request(const bb_marcher *marcher, bb_tracer_request *request)
+void bb_march_traverser_request(const bb_marcher *marcher, bb_traverser_request *request)
 {
     request->query = &bb_query_march;
     request->defines = request->kernel->ordered ? marcher->ordered : marcher->unordered;

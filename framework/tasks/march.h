@@ -1,7 +1,7 @@
 /* Renders volumes by marching along rays (kernels/march.clh), with a tree of the visible bricks or
  * without a tree.
  *
- * With a tree the march is an ordinary query: bb_march_tracer_request() and bb_march_pass() fill in
+ * With a tree the march is an ordinary query: bb_march_traverser_request() and bb_march_pass() fill in
  * the parts that traversal/ needs for it.
  */
 #ifndef BB_MARCH_H
@@ -34,7 +34,7 @@ bb_status bb_march_check_settings(const bb_march_settings *settings);
 bb_status bb_march_check(const bb_scene *scene, const bb_rays *rays, float step);
 
 /* Sets query and defines, which live as long as the marcher. */
-void bb_march_tracer_request(const bb_marcher *marcher, bb_tracer_request *request);
+void bb_march_traverser_request(const bb_marcher *marcher, bb_traverser_request *request);
 
 /* Sets the query and the march's own arguments. */
 void bb_march_pass(const bb_marcher *marcher, bb_pass *pass);

@@ -11,8 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-struct bb_tracer {
-    bb_tracer *next;
+struct bb_traverser {
+    bb_traverser *next;
     bb_device *device;
     char key[1024]; /* source and defines */
     uint32_t group;
@@ -29,7 +29,7 @@ struct bb_tracer {
     cl_kernel kernel;
 };
 
-static bb_tracer *cache;
+static bb_traverser *cache;
 
 /* Groups of the persistent form per compute unit: enough to hide latency on current GPUs; further
  * groups would find no rays left. */
@@ -62,7 +62,7 @@ typedef struct variant {
     bool stack_given, stack_capped, kinds_given;
 } variant;
 
-static bb_status choose_variant(const bb_device *device, const bb_tracer_request *request,
+static bb_status choose_variant(const bb_device *device, const bb_traverser_request *request,
                                 const bb_layout_data *layout, variant *v)
 {
     const bb_kernel *kernel = request->kernel;
@@ -93,8 +93,8 @@ static bb_status choose_variant(const bb_device *device, const bb_tracer_request
     return BB_OK;
 }
 
-bb_status bb_tracer_decide(const bb_device *device, const bb_tracer_request *request,
-                           const bb_layout_data *layout, bb_decisions *decisions)
+bb_status bb_traverser_decide(const bb_device *device, const bb_traverser_request *request,
+                              const bb_layout_data *layout, bb_decisions *decisions)
 {
     variant v;
     char compiled[64], there[64];
@@ -124,12 +124,12 @@ bb_status bb_tracer_decide(const bb_device *device, const bb_tracer_request *req
     return BB_OK;
 }
 
-static void release(bb_tracer *tracer)
+static void release(bb_traverser *traverser)
 {
-    bb_buffer_release(&tracer->taken);
-    bb_kernel_release(tracer->kernel);
-    bb_program_release(tracer->program);
-    free(tracer);
+    bb_buffer_release(&traverser->taken);
+    bb_kernel_release(traverser->kernel);
+    bb_program_release(traverser->program);
+    free(traverser);
 }
 
 /* ---- the compiler's options ---- */
@@ -169,17 +169,17 @@ static const char *or_empty(const char *text)
     return text != NULL ? text : "";
 }
 
-static bool is_persistent(const bb_tracer_request *request)
+static bool is_persistent(const bb_traverser_request *request)
 {
     return bb_spec_is(request->spec, bb_kernel_common_options, "persistent", "yes");
 }
 
-static bool is_sorted(const bb_tracer_request *request)
+static bool is_sorted(const bb_traverser_request *request)
 {
     return bb_spec_is(request->spec, bb_kernel_common_options, "sort", "yes");
 }
 
-static bb_status write_defines(const bb_device *device, const bb_tracer_request *request,
+static bb_status write_defines(const bb_device *device, const bb_traverser_request *request,
                                const bb_layout_data *layout, const variant *v, uint32_t group,
                                char *text, size_t capacity)
 {
@@ -206,10 +206,10 @@ static bb_status write_defines(const bb_device *device, const bb_tracer_request 
     return append_options(kernel, request->spec, text, capacity);
 }
 
-/* ---- tracers ---- */
+/* ---- traversers ---- */
 
 /* Checks that the kernel answers the query for these primitives, and that its trail suffices. */
-static bb_status check_request(const bb_tracer_request *request, const bb_layout_data *layout)
+static bb_status check_request(const bb_traverser_request *request, const bb_layout_data *layout)
 {
     const bb_kernel *kernel = request->kernel;
     const bb_query *query = request->query;
@@ -231,47 +231,47 @@ static bb_status check_request(const bb_tracer_request *request, const bb_layout
 }
 
 /* Makes what depends on the device: the program, its kernel, the counter of the persistent form. */
-static bb_status compile(bb_tracer *tracer, const bb_kernel *kernel, const char *defines)
+static bb_status compile(bb_traverser *traverser, const bb_kernel *kernel, const char *defines)
 {
     const bb_source *source = bb_source_find(kernel->source);
     if (source == NULL)
         return bb_fail(BB_FAILED, "kernel %s: there is no kernels/%s", kernel->name,
                        kernel->source);
-    BB_TRY(bb_program_build(tracer->device, source, defines, &tracer->program));
-    BB_TRY(bb_kernel_get(tracer->program, "trace", &tracer->kernel));
-    size_t group = tracer->group;
-    if (!tracer->batched)
-        BB_TRY(bb_kernel_group(tracer->device, tracer->kernel, group, &group));
-    tracer->group = (uint32_t)group;
+    BB_TRY(bb_program_build(traverser->device, source, defines, &traverser->program));
+    BB_TRY(bb_kernel_get(traverser->program, "trace", &traverser->kernel));
+    size_t group = traverser->group;
+    if (!traverser->batched)
+        BB_TRY(bb_kernel_group(traverser->device, traverser->kernel, group, &group));
+    traverser->group = (uint32_t)group;
     bb_ray_order *order;
-    if (tracer->sorted)
-        BB_TRY(bb_ray_order_of(tracer->device, &order)); /* compiles it */
-    return tracer->persistent ? bb_buffer_reserve(tracer->device, NULL, sizeof(cl_uint),
-                                                  "rays taken", &tracer->taken)
-                              : BB_OK;
+    if (traverser->sorted)
+        BB_TRY(bb_ray_order_of(traverser->device, &order)); /* compiles it */
+    return traverser->persistent ? bb_buffer_reserve(traverser->device, NULL, sizeof(cl_uint),
+                                                     "rays taken", &traverser->taken)
+                                 : BB_OK;
 }
 
-bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request,
-                        const bb_layout_data *layout, bb_tracer **out)
+bb_status bb_traverser_get(bb_device *device, const bb_traverser_request *request,
+                           const bb_layout_data *layout, bb_traverser **out)
 {
     variant v;
     uint64_t group;
-    char defines[768], key[sizeof((bb_tracer *)NULL)->key] = "";
+    char defines[768], key[sizeof((bb_traverser *)NULL)->key] = "";
     BB_TRY(check_request(request, layout));
     BB_TRY(bb_kernel_group_of(request->kernel, request->spec, device, &group));
     BB_TRY(choose_variant(device, request, layout, &v));
     BB_TRY(write_defines(device, request, layout, &v, (uint32_t)group, defines, sizeof defines));
     BB_TRY(append(key, sizeof key, "%s %u %s", request->kernel->source, (unsigned)group, defines));
-    for (bb_tracer *tracer = cache; tracer != NULL; tracer = tracer->next)
-        if (tracer->device == device && strcmp(tracer->key, key) == 0) {
-            *out = tracer;
+    for (bb_traverser *traverser = cache; traverser != NULL; traverser = traverser->next)
+        if (traverser->device == device && strcmp(traverser->key, key) == 0) {
+            *out = traverser;
             return BB_OK;
         }
 
-    bb_tracer *tracer = malloc(sizeof *tracer);
-    if (tracer == NULL)
+    bb_traverser *traverser = malloc(sizeof *traverser);
+    if (traverser == NULL)
         return bb_fail(BB_FAILED, "out of memory");
-    *tracer = (bb_tracer){
+    *traverser = (bb_traverser){
         .device = device,
         .group = (uint32_t)group,
         .stack_size = v.stack_size,
@@ -283,89 +283,90 @@ bb_status bb_tracer_get(bb_device *device, const bb_tracer_request *request,
         .format = bb_intersector_format(request->intersector),
         .lanes = layout->lanes,
     };
-    memcpy(tracer->key, key, sizeof key);
-    bb_status status = compile(tracer, request->kernel, defines);
+    memcpy(traverser->key, key, sizeof key);
+    bb_status status = compile(traverser, request->kernel, defines);
     if (status != BB_OK) {
-        release(tracer);
+        release(traverser);
         return status;
     }
-    tracer->next = cache;
-    cache = tracer;
-    *out = tracer;
+    traverser->next = cache;
+    cache = traverser;
+    *out = traverser;
     return BB_OK;
 }
 
-void bb_tracers_clear(bb_device *device)
+void bb_traversers_clear(bb_device *device)
 {
-    for (bb_tracer **link = &cache; *link != NULL;) {
-        bb_tracer *tracer = *link;
-        if (tracer->device != device) {
-            link = &tracer->next;
+    for (bb_traverser **link = &cache; *link != NULL;) {
+        bb_traverser *traverser = *link;
+        if (traverser->device != device) {
+            link = &traverser->next;
             continue;
         }
-        *link = tracer->next;
-        release(tracer);
+        *link = traverser->next;
+        release(traverser);
     }
     bb_ray_order_clear(device);
 }
 
-uint32_t bb_tracer_group_size(const bb_tracer *tracer)
+uint32_t bb_traverser_group_size(const bb_traverser *traverser)
 {
-    return tracer->group;
+    return traverser->group;
 }
 
-uint32_t bb_tracer_stack_size(const bb_tracer *tracer)
+uint32_t bb_traverser_stack_size(const bb_traverser *traverser)
 {
-    return tracer->stack_size;
+    return traverser->stack_size;
 }
 
-uint64_t bb_tracer_stack_bytes(const bb_tracer *tracer)
+uint64_t bb_traverser_stack_bytes(const bb_traverser *traverser)
 {
-    return (uint64_t)tracer->stack_size * tracer->stacks * BB_STACK_ENTRY_BYTES;
+    return (uint64_t)traverser->stack_size * traverser->stacks * BB_STACK_ENTRY_BYTES;
 }
 
-bool bb_tracer_private_bytes(const bb_tracer *tracer, uint64_t *bytes)
+bool bb_traverser_private_bytes(const bb_traverser *traverser, uint64_t *bytes)
 {
     cl_ulong private_bytes = 0;
-    if (clGetKernelWorkGroupInfo(tracer->kernel, tracer->device->id, CL_KERNEL_PRIVATE_MEM_SIZE,
-                                 sizeof private_bytes, &private_bytes, NULL) != CL_SUCCESS)
+    if (clGetKernelWorkGroupInfo(traverser->kernel, traverser->device->id,
+                                 CL_KERNEL_PRIVATE_MEM_SIZE, sizeof private_bytes, &private_bytes,
+                                 NULL) != CL_SUCCESS)
         return false;
     *bytes = private_bytes;
     return private_bytes > 0; /* PoCL and others report 0 instead */
 }
 
-uint64_t bb_tracer_launched(const bb_tracer *tracer)
+uint64_t bb_traverser_launched(const bb_traverser *traverser)
 {
-    return tracer->launched;
+    return traverser->launched;
 }
 
-bool bb_tracer_sorts(const bb_tracer *tracer)
+bool bb_traverser_sorts(const bb_traverser *traverser)
 {
-    return tracer->sorted;
+    return traverser->sorted;
 }
 
-bb_status bb_tracer_sort(bb_tracer *tracer, const bb_layout_data *layout, const bb_buffer *rays,
-                         uint32_t count)
+bb_status bb_traverser_sort(bb_traverser *traverser, const bb_layout_data *layout,
+                            const bb_buffer *rays, uint32_t count)
 {
     bb_ray_order *order;
-    BB_TRY(bb_ray_order_of(tracer->device, &order));
-    return bb_ray_order_make(order, tracer, &layout->bounds, rays, count);
+    BB_TRY(bb_ray_order_of(traverser->device, &order));
+    return bb_ray_order_make(order, traverser, &layout->bounds, rays, count);
 }
 
-bb_status bb_tracer_launch(bb_tracer *tracer, const bb_layout_data *layout, const bb_buffer *rays,
-                           uint32_t count, bb_buffer *results, bb_buffer *counts,
-                           const bb_arg *more, uint32_t more_count)
+bb_status bb_traverser_launch(bb_traverser *traverser, const bb_layout_data *layout,
+                              const bb_buffer *rays, uint32_t count, bb_buffer *results,
+                              bb_buffer *counts, const bb_arg *more, uint32_t more_count)
 {
-    assert(layout->format == tracer->format && layout->lanes == tracer->lanes &&
+    assert(layout->format == traverser->format && layout->lanes == traverser->lanes &&
            more_count <= BB_MORE_ARGS_MAX);
-    bb_device *device = tracer->device;
+    bb_device *device = traverser->device;
     const bb_buffer *ids = NULL;
-    if (tracer->sorted) {
+    if (traverser->sorted) {
         bb_ray_order *order;
         BB_TRY(bb_ray_order_of(device, &order));
-        BB_TRY(bb_ray_order_take(order, tracer, count, &ids));
+        BB_TRY(bb_ray_order_take(order, traverser, count, &ids));
     }
-    tracer->launched += count;
+    traverser->launched += count;
     bb_arg args[BB_LAYOUT_BUFFERS_MAX + 9 + BB_MORE_ARGS_MAX];
     uint32_t n = 0;
     for (uint32_t i = 0; i < layout->buffer_count; i++)
@@ -378,17 +379,17 @@ bb_status bb_tracer_launch(bb_tracer *tracer, const bb_layout_data *layout, cons
     if (ids != NULL)
         args[n++] = BB_MEM(*ids);
     args[n++] = BB_MEM(*results);
-    if (tracer->counting)
+    if (traverser->counting)
         args[n++] = BB_MEM(*counts);
-    if (tracer->persistent)
-        args[n++] = BB_MEM(tracer->taken);
+    if (traverser->persistent)
+        args[n++] = BB_MEM(traverser->taken);
     for (uint32_t i = 0; i < more_count; i++)
         args[n++] = more[i];
-    uint32_t local = tracer->batched ? 1 : tracer->group;
-    uint32_t items = tracer->batched ? (count - 1) / tracer->group + 1 : count;
-    if (!tracer->persistent)
-        return bb_launch_args(device, tracer->kernel, items, local, args, n);
-    BB_TRY(bb_buffer_fill(&tracer->taken, sizeof(cl_uint), 0));
+    uint32_t local = traverser->batched ? 1 : traverser->group;
+    uint32_t items = traverser->batched ? (count - 1) / traverser->group + 1 : count;
+    if (!traverser->persistent)
+        return bb_launch_args(device, traverser->kernel, items, local, args, n);
+    BB_TRY(bb_buffer_fill(&traverser->taken, sizeof(cl_uint), 0));
     uint64_t most = (uint64_t)device->compute_units * GROUPS_PER_UNIT * local;
-    return bb_launch_args(device, tracer->kernel, most < items ? most : items, local, args, n);
+    return bb_launch_args(device, traverser->kernel, most < items ? most : items, local, args, n);
 }
