@@ -7,6 +7,13 @@
 # library; without, a shared object NAME.so for `bvhbench --plugin`. The sources are the same for
 # both: they define `const bb_builder bb_builder_NAME`, with '_' for each '-' of the name.
 
+#
+#   bvhbench_add_tracer(NAME [SOURCE_DIR dir] [INTO target])
+#
+# The same for a tracer: all .c and .cpp files of the folder, which define
+# `const bb_tracer bb_tracer_NAME`; C++ is C++20. Its target is NAME: add a library's include folders
+# and flags to it.
+
 set(BVHBENCH_CMAKE_DIR ${CMAKE_CURRENT_LIST_DIR})
 
 # Flags for all code of the project, and for plug-ins. They give the same float results on every
@@ -138,7 +145,48 @@ BB_PLUGIN(bb_builder_${symbol}, bb_files_${symbol});
     endif()
 endfunction()
 
+function(bvhbench_add_tracer name)
+    cmake_parse_arguments(PARSE_ARGV 1 arg "" "SOURCE_DIR;INTO" "")
+    if(NOT arg_SOURCE_DIR)
+        set(arg_SOURCE_DIR ${CMAKE_CURRENT_SOURCE_DIR})
+    endif()
+    string(REPLACE "-" "_" symbol ${name})
+    file(GLOB sources CONFIGURE_DEPENDS ${arg_SOURCE_DIR}/*.c ${arg_SOURCE_DIR}/*.cpp)
+    if(NOT sources)
+        message(FATAL_ERROR "bvhbench_add_tracer(${name}): ${arg_SOURCE_DIR} has no .c and no .cpp file")
+    endif()
+    if(arg_INTO)
+        target_sources(${arg_INTO} PRIVATE ${sources})
+        set_property(TARGET ${arg_INTO} APPEND PROPERTY BVHBENCH_TRACERS ${symbol})
+    else()
+        set(exported ${CMAKE_CURRENT_BINARY_DIR}/generated/${name}_plugin.c)
+        bvhbench_write_if_changed(${exported}
+"#include \"framework/builder/tracer.h\"
+extern const bb_tracer bb_tracer_${symbol};
+BB_TRACER_PLUGIN(bb_tracer_${symbol});
+")
+        add_library(${name} MODULE ${sources} ${exported})
+        set_target_properties(${name} PROPERTIES PREFIX "" ${BVHBENCH_LANGUAGE_PROPERTIES} CXX_STANDARD 20)
+        target_link_libraries(${name} PRIVATE bvhbench::bvhbench)
+        target_compile_definitions(${name} PRIVATE ${BVHBENCH_COMPILE_DEFINITIONS})
+    endif()
+endfunction()
+
 # ---- for the project's own build ----
+
+function(bvhbench_generate_tracer_table target)
+    get_target_property(names ${target} BVHBENCH_TRACERS)
+    list(SORT names)
+    set(text "#include \"framework/builder/tracers.h\"\n")
+    set(rows "")
+    foreach(name IN LISTS names)
+        string(APPEND text "extern const bb_tracer bb_tracer_${name};\n")
+        string(APPEND rows "    &bb_tracer_${name},\n")
+    endforeach()
+    string(APPEND text "const bb_tracer *const bb_builtin_tracers[] = {\n${rows}    0,\n};\n")
+    bvhbench_write_if_changed(${CMAKE_CURRENT_BINARY_DIR}/generated/tracers.c "${text}")
+    target_sources(${target} PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/generated/tracers.c)
+endfunction()
 
 function(bvhbench_generate_builder_table target)
     get_target_property(names ${target} BVHBENCH_BUILDERS)

@@ -21,24 +21,36 @@ static const uint64_t seed = 7;
 
 /* ---- the tracer ---- */
 
+static bb_status make(const bb_scene *scene, const bb_spec *spec, uint32_t threads,
+                      bb_embree **embree)
+{
+    bb_status status = bb_embree_create(scene, spec, threads, embree);
+    if (status == BB_OK)
+        status = bb_embree_build(*embree);
+    if (status != BB_OK) {
+        bb_embree_destroy(*embree);
+        *embree = NULL;
+    }
+    return status;
+}
+
 /* Returns false, and says so, if the library lacks the kind of call. */
 static bool trace(const bb_scene *scene, const char *text, const bb_ray *rays, uint32_t count,
                   const bb_query *query, bb_hit *hits)
 {
     bb_embree *embree = NULL;
     bb_spec spec;
-    double build_ms = -1, again_ms = -1;
     assert_int_equal(bb_spec_parse(text, &spec), BB_OK);
-    if (bb_embree_create(scene, &spec, 3, &embree, &build_ms) != BB_OK)
+    if (make(scene, &spec, 3, &embree) != BB_OK)
         fail_msg("%s", bb_message());
-    if (bb_embree_set_query(embree, &spec) != BB_OK) {
+    if (bb_embree_pass(embree, &spec) != BB_OK) {
         print_message("skipped: %s\n", bb_message());
         bb_embree_destroy(embree);
         return false;
     }
-    assert_int_equal(bb_embree_rebuild(embree, &again_ms), BB_OK);
-    assert_true(build_ms > 0 && again_ms > 0 && bb_embree_bytes(embree) > 0);
-    assert_int_equal(bb_embree_trace(embree, rays, count, query, hits), BB_OK);
+    assert_int_equal(bb_embree_build(embree), BB_OK);
+    assert_true(bb_embree_bytes(embree) > 0);
+    assert_int_equal(bb_embree_trace(embree, rays, count, query->any, hits), BB_OK);
     bb_embree_destroy(embree);
     return true;
 }
@@ -196,11 +208,11 @@ static void test_manners(void **state)
         rays[i] = (bb_ray){{0, 0, 0}, 0, {(float)d[0], (float)d[1], (float)d[2]}, INFINITY};
     }
     bb_embree *embree = NULL;
-    assert_int_equal(bb_embree_create(scene, NULL, 4, &embree, NULL), BB_OK);
+    assert_int_equal(make(scene, NULL, 4, &embree), BB_OK);
 #if defined(__SSE__)
     unsigned int before = _mm_getcsr();
 #endif
-    assert_int_equal(bb_embree_trace(embree, rays, COUNT, &bb_query_closest, hits), BB_OK);
+    assert_int_equal(bb_embree_trace(embree, rays, COUNT, false, hits), BB_OK);
     volatile float small = 1e-39f;
     assert_true(small * 0.5f > 0);
 #if defined(__SSE__)
@@ -404,7 +416,7 @@ static void test_memory(void **state)
     const uint64_t limit = bb_memory_limit();
     assert_int_equal(bb_scene_load("sphere-mesh:n=200", &scene), BB_OK);
     const uint64_t before = all->bytes;
-    assert_int_equal(bb_embree_create(scene, NULL, 2, &embree, NULL), BB_OK);
+    assert_int_equal(make(scene, NULL, 2, &embree), BB_OK);
     const uint64_t held = bb_embree_bytes(embree);
     assert_true(held > 0);
     assert_int_equal(all->bytes, before + held);
@@ -412,13 +424,13 @@ static void test_memory(void **state)
     assert_int_equal(all->bytes, before);
     const uint64_t taken = limit - limit / 16 - before - held / 2; /* half of it is left */
     bb_host_book(taken);
-    assert_int_equal(bb_embree_create(scene, NULL, 2, &embree, NULL), BB_REFUSED);
+    assert_int_equal(make(scene, NULL, 2, &embree), BB_REFUSED);
     assert_null(embree);
     assert_non_null(strstr(bb_message(), "Embree has no room"));
     assert_non_null(strstr(bb_message(), "sphere-mesh"));
     bb_host_unbook(taken);
     assert_int_equal(all->bytes, before);
-    assert_int_equal(bb_embree_create(scene, NULL, 2, &embree, NULL), BB_OK);
+    assert_int_equal(make(scene, NULL, 2, &embree), BB_OK);
     bb_embree_destroy(embree);
     bb_scene_free(scene);
 }
@@ -434,7 +446,7 @@ static void test_interrupt(void **state)
     bb_interrupt_catch();
     raise(SIGTERM);
     assert_true(bb_interrupted());
-    assert_int_equal(bb_embree_create(scene, NULL, 2, &embree, NULL), BB_FAILED);
+    assert_int_equal(make(scene, NULL, 2, &embree), BB_FAILED);
     assert_null(embree);
     assert_int_equal(bb_host_account()->bytes, before);
     bb_scene_free(scene);

@@ -12,6 +12,7 @@
 #include "framework/base/memory.h"
 #include "framework/base/progress.h"
 #include "framework/builder/instance.h"
+#include "framework/builder/tracers.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -424,7 +425,7 @@ bb_status bb_advise_check(const bb_advise_request *request)
                                     .workload_count = request->ray_count,
                                     .max_rays = request->max_rays};
     for (size_t i = 0; i < request->builders.count; i++)
-        if (bb_is_reference(request->builders.items[i]))
+        if (bb_tracer_of(request->builders.items[i]) != NULL)
             return bb_fail(BB_INVALID,
                            "--builder %s is a reference row, no builder of trees: leave it out",
                            request->builders.items[i]);

@@ -70,16 +70,6 @@ void bb_audit_build(bb_audit *audit, const char *scene, const bb_instance *insta
         check_step(audit, scene, instance, &instance->steps[i]);
 }
 
-void bb_audit_outer(bb_audit *audit, const char *what, double ms, double outer_ms, bool *late)
-{
-    const bool again = *late;
-    audit->timings++;
-    *late = outer_ms > 2 * ms + 1;
-    if (!(ms > 0) || (*late && again))
-        bb_audit_complain(audit, "%s: took %.3f ms, but who called waited for %.3f ms", what, ms,
-                          outer_ms);
-}
-
 void bb_audit_launches(bb_audit *audit, const char *what, uint64_t timed, uint64_t launched,
                        uint64_t count)
 {

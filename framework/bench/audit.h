@@ -41,11 +41,6 @@ void bb_audit_timing(bb_audit *audit, const char *what, const bb_timing *timing,
 /* Checks all steps of an instance's last build. A host builder's phases are its second clock. */
 void bb_audit_build(bb_audit *audit, const char *scene, const bb_instance *instance);
 
-/* Checks `ms`, a time that only the caller's clock, `outer_ms`, can confirm. A busy machine may
- * take the processor away between the two, but hardly twice in a row: `*late` is kept for the next
- * timing of `what`. */
-void bb_audit_outer(bb_audit *audit, const char *what, double ms, double outer_ms, bool *late);
-
 /* Checks the numbers of rays launched, while the clock ran and in all, against the `count` of the
  * rate. */
 void bb_audit_launches(bb_audit *audit, const char *what, uint64_t timed, uint64_t launched,

@@ -96,7 +96,7 @@ static bb_status try_builders(bb_bench *bench)
     const bb_bench_request *request = bench->request;
     bb_step step = bb_bench_begin(bench);
     for (uint32_t i = 0; i < request->builder_count; i++) {
-        if (!bb_is_reference(request->builders[i]))
+        if (bb_tracer_of(request->builders[i]) == NULL)
             BB_TRY(bb_instance_try(bench->device, request->builders[i], request->seed));
     }
     return bb_bench_end(bench, step, "compile builders", BB_OK);
@@ -269,7 +269,7 @@ bb_status bb_bench_run(const bb_bench_request *request, bb_results *results,
     bench->request = request;
     bench->device = bench->residency.device = request->device;
     bench->residency.seed = request->seed;
-    bench->residency.give_up = bb_bench_give_up_references;
+    bench->residency.give_up = bb_bench_give_up_tracers;
     bench->residency.whom = bench;
     bench->results = results;
     bench->outcome = outcome;

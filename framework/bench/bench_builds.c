@@ -20,16 +20,16 @@ enum {
     UNBOOKED_LEAST_ON_DEVICE = 128 << 20,
 };
 
-/* Adds the phases of a step. In a pipeline, the stage's name stands before the phase's. */
-static void add_phases(bb_entrant *entrant, const bb_build_step *step)
+/* Adds phases. In a pipeline, the stage's label stands before the phase's name; NULL: it is none.
+ */
+static void add_phases(bb_entrant *entrant, const char *label, const bb_phases *phases)
 {
     bb_build_record *record = &entrant->record;
-    const bb_phases *phases = &step->phases;
-    bool alone = entrant->pipeline.count == 1;
+    const bool alone = label == NULL;
     for (uint32_t i = 0; i < phases->count; i++) {
         char name[sizeof record->phases[0].name];
         uint32_t k = 0;
-        snprintf(name, sizeof name, "%s%s%s", alone ? "" : step->label, alone ? "" : ": ",
+        snprintf(name, sizeof name, "%s%s%s", alone ? "" : label, alone ? "" : ": ",
                  phases->names[i]);
         while (k < record->phase_count && strcmp(record->phases[k].name, name) != 0)
             k++;
@@ -137,7 +137,8 @@ static bb_status timed_build(bb_bench *bench, bb_entrant *entrant, bool exact)
         BB_TRY(check_tree(bench, entrant));
     for (uint32_t i = 0; i < instance->step_count; i++)
         if (exact == instance->steps[i].phases.used_device)
-            add_phases(entrant, &instance->steps[i]);
+            add_phases(entrant, entrant->pipeline.count == 1 ? NULL : instance->steps[i].label,
+                       &instance->steps[i].phases);
     return BB_OK;
 }
 
@@ -219,23 +220,29 @@ void bb_bench_note_failure(bb_entrant *entrant, bb_status status)
     bb_resident_evict(entrant->resident);
 }
 
-bool bb_bench_give_up_references(void *whom)
+static void finish_phases(bb_entrant *entrant)
+{
+    for (uint32_t i = 0; i < entrant->record.phase_count; i++)
+        entrant->record.phases[i].ms = bb_samples_median(&entrant->phase_samples[i]);
+}
+
+bool bb_bench_give_up_tracers(void *whom)
 {
     bb_bench *bench = whom;
     const uint64_t missing = bb_host_missing();
     uint64_t held = 0;
     for (uint32_t i = 0; i < bench->entrant_count; i++)
-        if (bench->entrants[i].embree != NULL && bench->entrants[i].tree_of == NULL)
-            held += bb_embree_bytes(bench->entrants[i].embree);
+        if (bench->entrants[i].tracing != NULL && bench->entrants[i].tree_of == NULL)
+            held += bb_tracing_bytes(bench->entrants[i].tracing);
     if (missing == 0 || held < missing)
         return false;
     for (uint32_t i = 0; i < bench->entrant_count; i++) {
         bb_entrant *entrant = &bench->entrants[i];
-        if (entrant->embree == NULL)
+        if (entrant->tracing == NULL)
             continue;
         if (entrant->tree_of == NULL)
-            bb_embree_destroy(entrant->embree);
-        entrant->embree = NULL;
+            bb_tracing_destroy(entrant->tracing);
+        entrant->tracing = NULL;
         entrant->record.build_ms.count = 0; /* nothing is traced with it from now on */
         entrant->record.status = BB_REFUSED;
         snprintf(entrant->record.reason, sizeof entrant->record.reason,
@@ -246,59 +253,81 @@ bool bb_bench_give_up_references(void *whom)
 }
 
 /* After a failure the tree is gone. */
-static bb_status rebuild_reference(bb_entrant *entrant, double *ms)
+static bb_status build_tracing(bb_bench *bench, bb_entrant *entrant, bb_build_timing *timing,
+                               bb_phases *phases)
 {
-    const bb_status status = bb_embree_rebuild(entrant->embree, ms);
-    if (status != BB_OK) {
-        bb_embree_destroy(entrant->embree);
-        entrant->embree = NULL;
+    char what[256];
+    snprintf(what, sizeof what, "build of %.100s by %.100s", bench->scene->name, entrant->text);
+    const bb_status status = bb_tracing_build(entrant->tracing, timing, phases);
+    if (status == BB_OK) {
+        bb_audit_timing(&bench->outcome->audit, what, &timing->timing, phases->count > 0);
+        return BB_OK;
     }
+    bb_tracing_destroy(entrant->tracing);
+    entrant->tracing = NULL;
     return status;
 }
 
-/* Builds the reference row's tree. Its first build, on fresh memory, is its cold one, as for
- * others. */
-static bb_status build_reference(bb_bench *bench, bb_entrant *entrant)
+/* The first build, on fresh memory, is the cold one, as for builders. */
+static bb_status start_tracing(bb_bench *bench, bb_entrant *entrant)
 {
-    bb_build_record *record = &entrant->record;
-    double ms = 0;
-    if (entrant->embree == NULL) {
-        bb_step step = bb_bench_begin(bench);
-        BB_TRY(bb_embree_create(bench->scene, &entrant->spec, bb_host_threads(bench->device),
-                                &entrant->embree, &record->cold_ms));
-        BB_TRY(bb_bench_end(bench, step, "compile, allocate, first builds", BB_OK));
-    }
-    char what[256];
-    snprintf(what, sizeof what, "build of %.100s by %.100s", bench->scene->name, entrant->text);
-    double start = bb_wall_ms();
-    BB_TRY(rebuild_reference(entrant, &ms));
-    bb_audit_outer(&bench->outcome->audit, what, ms, bb_wall_ms() - start, &entrant->late);
-    bb_samples_add(&record->build_ms, ms);
-    bench->outcome->times.build_ms += ms;
-    record->bytes_native = (double)bb_embree_bytes(entrant->embree);
+    bb_build_timing timing;
+    bb_phases phases;
+    BB_TRY(bb_tracing_create(bench->device, entrant->text, bench->scene, &entrant->tracing));
+    BB_TRY(build_tracing(bench, entrant, &timing, &phases));
+    entrant->record.cold_ms = timing.timing.ms;
     return BB_OK;
 }
 
-/* Takes the tree of the reference that builds the same one, with its times and its failure, before
- * that one's query is checked: to lack it is the other's alone. */
-static void share_reference(bb_entrant *entrant)
+static bb_status build_tracer(bb_bench *bench, bb_entrant *entrant)
+{
+    bb_build_record *record = &entrant->record;
+    bb_build_timing timing;
+    bb_phases phases;
+    if (entrant->tracing == NULL) {
+        bb_step step = bb_bench_begin(bench);
+        BB_TRY(bb_bench_end(bench, step, "compile, allocate, first builds",
+                            start_tracing(bench, entrant)));
+    }
+    BB_TRY(build_tracing(bench, entrant, &timing, &phases));
+    bb_samples_add(&record->build_ms, timing.timing.ms);
+    bb_samples_add(&record->cpu_ms, timing.timing.cpu_ms);
+    bb_samples_add(&record->outside_ms, timing.outside_ms);
+    bench->outcome->times.build_ms += timing.timing.ms;
+    record->bytes_native = (double)bb_tracing_bytes(entrant->tracing);
+    add_phases(entrant, NULL, &phases);
+    return BB_OK;
+}
+
+/* Takes the tree of the row that builds the same one, with its times and its failure, before that
+ * one's way to pass rays is checked: to lack it is the other's alone. */
+static void share_tree(bb_entrant *entrant)
 {
     const bb_build_record *from = &entrant->tree_of->record;
     bb_build_record *record = &entrant->record;
-    entrant->embree = entrant->tree_of->embree;
+    entrant->tracing = entrant->tree_of->tracing;
     record->cold_ms = from->cold_ms;
     record->build_ms = from->build_ms;
+    record->cpu_ms = from->cpu_ms;
+    record->outside_ms = from->outside_ms;
     record->bytes_native = from->bytes_native;
+    record->phase_count = from->phase_count;
+    memcpy(record->phases, from->phases, sizeof record->phases);
+    memcpy(entrant->phase_samples, entrant->tree_of->phase_samples, sizeof entrant->phase_samples);
     record->status = from->status;
     snprintf(record->reason, sizeof record->reason, "%s", from->reason);
 }
 
-/* Makes sure that the library has what the query asks for. */
-static bb_status finish_reference(bb_entrant *entrant)
+/* Makes sure that the library has what the row asks for. */
+static bb_status finish_tracer(bb_entrant *entrant)
 {
-    if (entrant->embree == NULL)
+    if (entrant->tracing == NULL)
         return BB_OK;
-    const bb_status status = bb_embree_set_query(entrant->embree, &entrant->spec);
+    finish_phases(entrant);
+    bb_status status = bb_tracing_describe(entrant->tracing, entrant->record.about,
+                                           sizeof entrant->record.about);
+    if (status == BB_OK)
+        status = bb_tracing_pass(entrant->tracing, &entrant->spec);
     if (status != BB_OK)
         entrant->record.build_ms.count = 0; /* nothing is traced with it */
     return status;
@@ -307,19 +336,13 @@ static bb_status finish_reference(bb_entrant *entrant)
 static bb_status build_once(bb_bench *bench, bb_entrant *entrant, bool exact)
 {
     /* the phases of a builder on the host are always exact */
-    if (exact && (entrant->reference || bb_pipeline_on_device(&entrant->pipeline) == 0))
+    if (exact && (entrant->tracer != NULL || bb_pipeline_on_device(&entrant->pipeline) == 0))
         return BB_OK;
     bb_step step = bb_bench_begin(bench);
     bb_status status =
-        entrant->reference ? build_reference(bench, entrant) : timed_build(bench, entrant, exact);
+        entrant->tracer != NULL ? build_tracer(bench, entrant) : timed_build(bench, entrant, exact);
     return bb_bench_end(bench, step, exact ? "builds for phase times" : "prepare, restore, warm up",
                         status);
-}
-
-static void finish_phases(bb_entrant *entrant)
-{
-    for (uint32_t i = 0; i < entrant->record.phase_count; i++)
-        entrant->record.phases[i].ms = bb_samples_median(&entrant->phase_samples[i]);
 }
 
 /* Records a layout that was just made, unless one of its name was recorded. Its time, on fresh
@@ -438,7 +461,7 @@ static void forget_times(bb_build_record *record)
 static bb_status warm_once(bb_bench *bench, bb_entrant *entrant, double *ms)
 {
     bb_build_timing timing;
-    if (entrant->reference || bb_pipeline_on_device(&entrant->pipeline) == 0)
+    if (entrant->tracer != NULL || bb_pipeline_on_device(&entrant->pipeline) == 0)
         return BB_OK;
     BB_TRY(bb_bench_tree(bench, entrant));
     bb_step step = bb_bench_begin(bench);
@@ -471,12 +494,12 @@ static bb_status take_turn(void *self, uint32_t who, uint32_t round, double *ms)
     return BB_OK;
 }
 
-/* Makes all builders' first trees. References come after them, into the room that is left. */
+/* Makes all builders' first trees. Tracers come after them, into the room that is left. */
 static void make_first_trees(bb_bench *bench)
 {
     for (uint32_t i = 0; i < bench->entrant_count; i++) {
         bb_entrant *entrant = &bench->entrants[i];
-        if (entrant->reference || entrant->record.status != BB_OK)
+        if (entrant->tracer != NULL || entrant->record.status != BB_OK)
             continue;
         const bb_status status = bb_bench_tree(bench, entrant);
         if (status != BB_OK)
@@ -536,14 +559,14 @@ bb_status bb_bench_builds(bb_bench *bench)
     BB_TRY(bb_bench_judge_unseen(bench));
     for (uint32_t i = 0; i < bench->entrant_count; i++)
         if (bench->entrants[i].tree_of != NULL)
-            share_reference(&bench->entrants[i]);
+            share_tree(&bench->entrants[i]);
     for (uint32_t i = 0; i < bench->entrant_count; i++) {
         bb_entrant *entrant = &bench->entrants[i];
         if (entrant->record.status != BB_OK || bb_interrupted())
             continue;
         bb_step step = bb_bench_begin(bench);
         bb_status status =
-            entrant->reference ? finish_reference(entrant) : finish_builder(bench, entrant, own);
+            entrant->tracer != NULL ? finish_tracer(entrant) : finish_builder(bench, entrant, own);
         status = bb_bench_end(bench, step, "check trees, SAH", status);
         if (status != BB_OK)
             bb_bench_note_failure(entrant, status);

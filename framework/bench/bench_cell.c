@@ -1,6 +1,5 @@
 #include "framework/bench/bench_cell.h"
 
-#include "framework/base/clock.h"
 #include "traversal/pass.h"
 
 #include <stdio.h>
@@ -56,14 +55,20 @@ static bb_status trace_batch(bb_trace_set *set, const bb_pass *pass, uint32_t co
     return BB_OK;
 }
 
-/* Traces with the reference, which uses the device's buffers if the host can reach them, else
- * copies. */
-static bb_status trace_reference(bb_trace_set *set, bb_traced_cell *c, uint32_t from,
-                                 uint32_t count, bb_timing *timing)
+/* Traces with a tracer, which uses the device's buffers if the host can reach them, else copies. It
+ * must leave the rays as they are, since others trace them too. */
+static bb_status trace_outside(bb_trace_set *set, bb_traced_cell *c, uint32_t from, uint32_t count,
+                               bb_timing *timing)
 {
     bb_bench *bench = set->bench;
-    void *rays = set->rays->rays + from, *hits = set->results + from * set->bytes;
-    bool mapped = bench->device->is_cpu;
+    const bb_query *query = set->rays->query;
+    const bb_ray *original = set->rays->rays + from;
+    void *rays = NULL, *hits = set->results + from * set->bytes;
+    const bool mapped = bench->device->is_cpu;
+    if (!query->is_hit)
+        return bb_fail(BB_UNSUPPORTED, "%s does not answer %s queries", c->entrant->tracer->name,
+                       query->name);
+    BB_TRY(bb_tracing_pass(c->entrant->tracing, &c->entrant->spec));
     if (mapped) {
         BB_TRY(bb_buffer_map(&bench->rays, false, &rays));
         bb_status status = bb_buffer_map(&bench->answers, true, &hits);
@@ -72,19 +77,23 @@ static bb_status trace_reference(bb_trace_set *set, bb_traced_cell *c, uint32_t 
             return status;
         }
     } else {
+        BB_TRY(bb_host_alloc(NULL, count * sizeof(bb_ray), "rays", &rays));
+        memcpy(rays, original, count * sizeof(bb_ray));
         memset(hits, 0xEE, count * set->bytes);
     }
-    bb_status status = bb_embree_set_query(c->entrant->embree, &c->entrant->spec);
-    double cpu = bb_cpu_ms(), start = bb_wall_ms();
-    if (status == BB_OK)
-        status = bb_embree_trace(c->entrant->embree, rays, count, set->rays->query, hits);
-    *timing = (bb_timing){.ms = bb_wall_ms() - start,
-                          .cpu_ms = bb_cpu_ms() - cpu,
-                          .event_ms = bb_embree_span_ms(c->entrant->embree)};
+    bb_status status = bb_tracing_trace(c->entrant->tracing, bb_trace_guarded(&c->record), rays,
+                                        count, query->any, hits, timing);
+    if (memcmp(rays, original, count * sizeof(bb_ray)) != 0) {
+        set->loaded = 0; /* what the device has of them is lost */
+        status = bb_fail(BB_FAILED, "%s changed the rays in trace(): all others trace them too",
+                         c->entrant->tracer->name);
+    }
     bb_status unmapped[2] = {BB_OK, BB_OK};
     if (mapped) {
         unmapped[0] = bb_buffer_unmap(&bench->rays, rays);
         unmapped[1] = bb_buffer_unmap(&bench->answers, hits);
+    } else {
+        bb_host_free(rays);
     }
     return status != BB_OK ? status : unmapped[0] != BB_OK ? unmapped[0] : unmapped[1];
 }
@@ -93,7 +102,7 @@ static bb_status trace_reference(bb_trace_set *set, bb_traced_cell *c, uint32_t 
  * up. After that they only shrink, so that counting rounds are split alike. */
 static void fit_batch(const bb_trace_set *set, bb_traced_cell *c, uint32_t count, double ms)
 {
-    if (c->entrant->reference || set->bench->device->is_cpu)
+    if (c->entrant->tracer != NULL || set->bench->device->is_cpu)
         return;
     if ((set->warming && count == c->batch) || ms > BB_LAUNCH_MS)
         c->batch = bb_launch_rays(count, ms, set->bench->batch);
@@ -111,14 +120,14 @@ static void enter(const bb_trace_record *r, const char *hook)
     bb_guard_enter(bb_trace_guarded(r), who, hook);
 }
 
-/* Traces the cell's rays once, in batches, into set->results. A reference's event time is that of
- * its threads. */
+/* Traces the cell's rays once, in batches, into set->results. A tracer's event time is that of its
+ * threads. */
 static bb_status trace_rays(bb_trace_set *set, bb_traced_cell *c, bb_timing *timing)
 {
-    bool reference = c->entrant->reference;
+    const bool outside = c->entrant->tracer != NULL;
     *timing = (bb_timing){0};
     const bb_pass pass = pass_of(set, c);
-    uint64_t timed = 0, before = reference ? 0 : bb_traverser_launched(c->traverser);
+    uint64_t timed = 0, before = outside ? 0 : bb_traverser_launched(c->traverser);
     c->record.launches = 0;
     c->sort_ms = 0;
     for (uint32_t from = 0, count; from < c->count; from += count) {
@@ -128,13 +137,13 @@ static bb_status trace_rays(bb_trace_set *set, bb_traced_cell *c, bb_timing *tim
         BB_TRY(bb_pass_poison(&pass, count));
         bb_timing part;
         double sort_ms = 0;
-        BB_TRY(reference ? trace_reference(set, c, from, count, &part)
+        BB_TRY(outside ? trace_outside(set, c, from, count, &part)
                          : trace_batch(set, &pass, count, &part, &sort_ms, &timed));
         fit_batch(set, c, count, part.ms);
         c->record.launches++;
         add_timing(timing, &part);
         c->sort_ms += sort_ms;
-        if (!reference || set->bench->device->is_cpu)
+        if (!outside || set->bench->device->is_cpu)
             BB_TRY(bb_buffer_read(&set->bench->answers, 0, count * set->bytes,
                                   set->results + from * set->bytes));
     }
@@ -142,7 +151,7 @@ static bb_status trace_rays(bb_trace_set *set, bb_traced_cell *c, bb_timing *tim
     snprintf(what, sizeof what, "trace of %.60s, %.40s by %.60s on %.60s", c->record.scene,
              c->record.rays, c->record.kernel, c->record.builder);
     bb_audit_timing(&set->bench->outcome->audit, what, timing, true);
-    if (!reference)
+    if (!outside)
         bb_audit_launches(&set->bench->outcome->audit, what, timed,
                           bb_traverser_launched(c->traverser) - before, c->count);
     set->bench->outcome->times.trace_ms += timing->ms;
@@ -151,9 +160,9 @@ static bb_status trace_rays(bb_trace_set *set, bb_traced_cell *c, bb_timing *tim
 
 bb_status bb_trace_once(bb_trace_set *set, bb_traced_cell *c, bb_timing *timing)
 {
-    if (!c->entrant->reference)
+    if (c->entrant->tracer == NULL)
         BB_TRY(bb_bench_layout(set->bench, c->entrant, c->layout));
-    else if (c->entrant->embree == NULL)
+    else if (c->entrant->tracing == NULL)
         return bb_fail(c->entrant->record.status, "%s", c->entrant->record.reason);
     bb_step step = bb_bench_begin(set->bench);
     enter(&c->record, "trace");
@@ -231,7 +240,7 @@ static bb_status make_traverser(bb_trace_set *set, bb_traced_cell *c)
 
 bb_status bb_trace_prepare(bb_trace_set *set, bb_traced_cell *c)
 {
-    if (c->entrant->reference)
+    if (c->entrant->tracer != NULL)
         return BB_OK;
     BB_TRY(bb_bench_layout(set->bench, c->entrant, c->layout));
     bb_step step = bb_bench_begin(set->bench);
@@ -250,7 +259,7 @@ static bb_status judge_cell(bb_trace_set *set, bb_traced_cell *c)
         return BB_OK;
     bb_accuracy accuracy;
     const bb_verdict_request wanted = {
-        .results = set->results, .count = c->count, .may_be_unnamed = c->entrant->reference};
+        .results = set->results, .count = c->count, .may_be_unnamed = c->entrant->tracer != NULL};
     BB_TRY(bb_judge(set->bench->oracle, &set->answers, &wanted, &accuracy));
     if (!c->judged || accuracy.wrong_ppm > c->record.accuracy.wrong_ppm)
         c->record.accuracy = accuracy;
@@ -294,7 +303,7 @@ bb_status bb_trace_judge(bb_trace_set *set, bb_traced_cell *c)
 bb_status bb_trace_count(bb_trace_set *set, bb_traced_cell *c)
 {
     bb_bench *bench = set->bench;
-    if (c->entrant->reference || bench->request->lean)
+    if (c->entrant->tracer != NULL || bench->request->lean)
         return BB_OK;
     bb_step step = bb_bench_begin(bench);
     BB_TRY(bb_bench_layout(bench, c->entrant, c->layout));

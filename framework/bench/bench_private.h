@@ -10,8 +10,7 @@
 #include "framework/bench/launches.h"
 #include "framework/bench/resident.h"
 #include "framework/bench/turns.h"
-#include "framework/builder/instance.h"
-#include "framework/judge/embree.h"
+#include "framework/builder/tracing.h"
 #include "framework/judge/judge.h"
 #include "framework/judge/rays.h"
 #include "framework/scene/disguise.h"
@@ -44,13 +43,12 @@ typedef struct bb_kernel_choice {
 /* A builder on the current scene: what it has in memory now, and its record. */
 typedef struct bb_entrant {
     const char *text;
-    bool reference;
-    bb_spec spec;         /* of a single builder or a reference; of a pipeline only the text */
-    bb_pipeline pipeline; /* of a builder */
+    const bb_tracer *tracer; /* NULL: a builder */
+    bb_spec spec;            /* of a single builder or a tracer; of a pipeline only the text */
+    bb_pipeline pipeline;    /* of a builder */
     bb_resident *resident;
-    bb_embree *embree;          /* of a reference row, which owns it unless: */
-    struct bb_entrant *tree_of; /* the reference that builds the same tree; NULL: none before it */
-    bool late;                  /* of a reference: bb_audit_outer() */
+    bb_tracing *tracing;        /* of a tracer's row, which owns it unless: */
+    struct bb_entrant *tree_of; /* the row that builds the same tree; NULL: none before it */
     bb_build_record record;
     uint32_t layouts[BB_LAYOUTS_MAX]; /* of the residency: those in the record */
     bb_samples phase_samples[BB_RECORD_PHASES_MAX];
@@ -125,10 +123,10 @@ bb_status bb_bench_scene(bb_bench *bench, const char *name);
 /* Measures the builds of all entrants, interleaved, and fills their records. */
 bb_status bb_bench_builds(bb_bench *bench);
 
-/* For a builder that was refused memory of the host: frees the trees of all references if they
- * hold what was missing, and returns whether they do. Their rows are refused then. `whom` is the
- * bench. */
-bool bb_bench_give_up_references(void *whom);
+/* For a builder that was refused memory of the host: frees the trees of all tracers if they hold
+ * what was missing, and returns whether they do. Their rows are refused then. `whom` is the bench.
+ */
+bool bb_bench_give_up_tracers(void *whom);
 
 /* Records a failure, unless it failed because the run was interrupted. */
 void bb_bench_note_failure(bb_entrant *entrant, bb_status status);
@@ -149,7 +147,6 @@ bb_status bb_bench_judge_unseen(bb_bench *bench);
 
 /* ---- what was asked for (bench_request.c) ---- */
 
-bb_status bb_bench_parse_reference(const char *text, bb_spec *spec);
 bb_status bb_bench_parse_kernel(const char *text, bb_kernel_choice *choice);
 
 /* Returns the most cells that a ray set can have. */

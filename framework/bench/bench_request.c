@@ -7,12 +7,6 @@
 #include <stdio.h>
 #include <string.h>
 
-bb_status bb_bench_parse_reference(const char *text, bb_spec *spec)
-{
-    BB_TRY(bb_spec_parse(text, spec));
-    return bb_spec_validate(spec, bb_embree_options, "builder embree-native");
-}
-
 bb_status bb_bench_parse_kernel(const char *text, bb_kernel_choice *choice)
 {
     BB_TRY(bb_kernel_parse(text, &choice->spec, &choice->kernel));
@@ -26,14 +20,15 @@ bb_status bb_bench_parse_kernel(const char *text, bb_kernel_choice *choice)
 bb_status bb_bench_check(const bb_bench_request *request)
 {
     bb_spec spec;
+    const bb_tracer *tracer;
     bb_kernel_choice choice;
     if (request->builder_count > BB_ENTRANTS_MAX)
         return bb_fail(BB_INVALID, "at most %d builders at once", BB_ENTRANTS_MAX);
     if (request->kernel_count > BB_KERNELS_MAX)
         return bb_fail(BB_INVALID, "at most %d kernels at once", BB_KERNELS_MAX);
     for (uint32_t i = 0; i < request->builder_count; i++)
-        BB_TRY(bb_is_reference(request->builders[i])
-                   ? bb_bench_parse_reference(request->builders[i], &spec)
+        BB_TRY(bb_tracer_of(request->builders[i]) != NULL
+                   ? bb_tracer_parse(request->builders[i], &tracer, &spec)
                    : bb_instance_check(request->builders[i]));
     for (uint32_t i = 0; i < request->kernel_count; i++)
         BB_TRY(bb_bench_parse_kernel(request->kernels[i], &choice));
@@ -52,7 +47,7 @@ uint32_t bb_bench_cells_of_set(const bb_bench *bench)
 {
     uint32_t cells = 0;
     for (uint32_t i = 0; i < bench->request->builder_count; i++)
-        cells += bb_is_reference(bench->request->builders[i])
+        cells += bb_tracer_of(bench->request->builders[i]) != NULL
                      ? 1
                      : bench->kernel_count * bench->request->intersector_count;
     return cells;

@@ -86,20 +86,20 @@ static void start_entrant(bb_bench *bench, bb_entrant *entrant, const char *text
     entrant->text = text;
     entrant->resident = &bench->residency.items[bench->residency.count++];
     *entrant->resident = (bb_resident){.text = text, .scene = bench->scene};
-    entrant->reference = bb_is_reference(text);
+    entrant->tracer = bb_tracer_of(text);
     bb_build_record *record = &entrant->record;
     bb_build_record_init(record);
-    record->reference = entrant->reference;
+    record->reference = entrant->tracer != NULL;
     snprintf(record->scene, sizeof record->scene, "%s", bench->scene->name);
     bb_cell_parts cell = bb_bench_cell(bench);
     snprintf(cell.builder, sizeof cell.builder, "%s", text);
     bb_bench_key(&cell, record->cell);
     record->spec = &entrant->spec;
-    if (entrant->reference) {
+    if (entrant->tracer != NULL) {
         bb_spec_parse(text, &entrant->spec); /* checked by bb_bench_check() */
-        record->options = bb_embree_options;
+        record->options = entrant->tracer->options;
         for (bb_entrant *e = bench->entrants; e < entrant && entrant->tree_of == NULL; e++)
-            if (e->reference && bb_embree_same_tree(&e->spec, &entrant->spec))
+            if (bb_tracer_same_tree(e->tracer, &e->spec, entrant->tracer, &entrant->spec))
                 entrant->tree_of = e;
     } else {
         start_pipeline(entrant, text);
@@ -132,12 +132,12 @@ static bool built_any(const bb_bench *bench)
 }
 
 /* Returns whether a row has what was asked of it, or lacks it for no fault of its own: a library
- * without packets, a reference without room beside builders. */
+ * without packets, a tracer without room beside builders. */
 static bool is_excused(const bb_entrant *entrant, bool others)
 {
     const bb_status status = entrant->record.status;
     return status == BB_OK ||
-           (entrant->reference && (status == BB_UNSUPPORTED || (status == BB_REFUSED && others)));
+           (entrant->tracer != NULL && (status == BB_UNSUPPORTED || (status == BB_REFUSED && others)));
 }
 
 static bb_status record_builds(bb_bench *bench)
@@ -148,7 +148,7 @@ static bb_status record_builds(bb_bench *bench)
         bool measured = entrant->record.build_ms.count > 0 || entrant->record.unmeasured;
         if (entrant->record.status == BB_OK && !measured)
             continue; /* the run was interrupted before its turn */
-        if (strcmp(bb_status_word(entrant->record.status), "failed") == 0 && !entrant->reference)
+        if (strcmp(bb_status_word(entrant->record.status), "failed") == 0 && entrant->tracer == NULL)
             bench->outcome->wrong++;
         for (uint32_t b = 0; b < bench->request->builder_count; b++)
             if (entrant->text == bench->request->builders[b] && is_excused(entrant, others))
@@ -266,7 +266,7 @@ static void end_scene(bb_bench *bench)
     for (uint32_t i = 0; i < bench->entrant_count; i++) {
         bb_resident_evict(bench->entrants[i].resident);
         if (bench->entrants[i].tree_of == NULL)
-            bb_embree_destroy(bench->entrants[i].embree);
+            bb_tracing_destroy(bench->entrants[i].tracing);
     }
     free(bench->residency.items);
     bench->residency.items = NULL;

@@ -18,7 +18,7 @@ static void note_failure(bb_traced_cell *c, bb_status status)
     snprintf(c->record.reason, sizeof c->record.reason, "%s", bb_message());
 }
 
-/* Returns the cell's parts as in its record. A reference has no kernel and no intersector. */
+/* Returns the cell's parts as in its record. A tracer has no kernel and no intersector. */
 static bb_cell_parts cell_of(const bb_trace_set *set, const bb_traced_cell *c)
 {
     const bb_trace_record *r = &c->record;
@@ -33,26 +33,37 @@ static bb_cell_parts cell_of(const bb_trace_set *set, const bb_traced_cell *c)
     return cell;
 }
 
+/* A tracer has neither kernel nor intersector: the record has its own names in their places. */
+static void put_names(const bb_entrant *entrant, bb_trace_record *r)
+{
+    const bb_tracer *tracer = entrant->tracer;
+    const char *code = tracer->code != NULL ? tracer->code : tracer->name;
+    snprintf(r->kernel, sizeof r->kernel, "%s", code);
+    snprintf(r->intersector, sizeof r->intersector, "%s%s%s", code,
+             tracer->exactness != NULL ? "-" : "",
+             tracer->exactness != NULL
+                 ? bb_spec_value(&entrant->spec, tracer->options, tracer->exactness)
+                 : "");
+}
+
 static void start_cell(bb_trace_set *set, bb_traced_cell *c, bb_entrant *entrant, uint32_t kernel,
                        uint32_t i)
 {
     bb_bench *bench = set->bench;
-    const bb_intersector *intersector = entrant->reference ? NULL : &bench->intersectors[i];
+    const bb_intersector *intersector = entrant->tracer != NULL ? NULL : &bench->intersectors[i];
     bb_rays *rays = set->rays;
     *c = (bb_traced_cell){.entrant = entrant, .kernel = kernel, .intersector = intersector};
-    if (!entrant->reference)
+    if (entrant->tracer == NULL)
         c->layout = bb_bench_layout_of(bench, kernel, intersector);
     bb_trace_record *r = &c->record;
     bb_trace_record_init(r);
-    r->reference = entrant->reference;
+    r->reference = entrant->tracer != NULL;
     snprintf(r->scene, sizeof r->scene, "%s", bench->scene->name);
     snprintf(r->view, sizeof r->view, "%s", rays->view);
     snprintf(r->builder, sizeof r->builder, "%s", entrant->text);
     snprintf(r->rays, sizeof r->rays, "%s", rays->name);
-    if (entrant->reference) {
-        snprintf(r->kernel, sizeof r->kernel, BB_EMBREE_KERNEL);
-        snprintf(r->intersector, sizeof r->intersector, "embree-%s",
-                 bb_spec_value(&entrant->spec, bb_embree_options, "mode"));
+    if (entrant->tracer != NULL) {
+        put_names(entrant, r);
         snprintf(r->traced_on, sizeof r->traced_on, "%s",
                  bench->device->is_cpu ? "" : BB_DEVICE_CPU);
     } else {
@@ -72,18 +83,18 @@ static void start_cell(bb_trace_set *set, bb_traced_cell *c, bb_entrant *entrant
         r->status = BB_FAILED;
         snprintf(r->reason, sizeof r->reason, "%s", death);
     }
-    r->counts_for_exit = !entrant->reference && bb_intersector_is_exact(intersector);
+    r->counts_for_exit = entrant->tracer == NULL && bb_intersector_is_exact(intersector);
 
     c->count = rays->count;
     const bb_tree_info *tree = &entrant->record.tree;
-    if (!entrant->reference && entrant->record.has_tree && tree->node_count == 1 &&
+    if (entrant->tracer == NULL && entrant->record.has_tree && tree->node_count == 1 &&
         (double)tree->ref_count * rays->count > brute_force_tests) {
         c->count = (uint32_t)(brute_force_tests / tree->ref_count);
         c->count = c->count > 0 ? c->count : 1;
     }
     r->count = c->count;
     c->batch = bench->batch;
-    if (!entrant->reference && !bench->device->is_cpu && c->batch > BB_LAUNCH_FIRST)
+    if (entrant->tracer == NULL && !bench->device->is_cpu && c->batch > BB_LAUNCH_FIRST)
         c->batch = BB_LAUNCH_FIRST;
 }
 
@@ -92,16 +103,16 @@ static bb_status start_set(bb_trace_set *set)
     bb_bench *bench = set->bench;
     const bb_bench_request *request = bench->request;
     uint32_t each = bench->kernel_count * request->intersector_count;
-    uint32_t most = bench->entrant_count * (each > 0 ? each : 1); /* a reference is one cell */
+    uint32_t most = bench->entrant_count * (each > 0 ? each : 1); /* a tracer is one cell */
     set->cells = calloc(most, sizeof *set->cells);
     if (set->cells == NULL)
         return bb_fail(BB_FAILED, "out of memory");
     for (uint32_t e = 0; e < bench->entrant_count; e++) {
         bb_entrant *entrant = &bench->entrants[e];
-        uint32_t kernels = entrant->reference ? 1 : bench->kernel_count;
-        uint32_t intersectors = entrant->reference ? 1 : request->intersector_count;
+        uint32_t kernels = entrant->tracer != NULL ? 1 : bench->kernel_count;
+        uint32_t intersectors = entrant->tracer != NULL ? 1 : request->intersector_count;
         for (uint32_t k = 0; k < kernels; k++) {
-            if (!entrant->reference && !bb_bench_takes(bench, entrant, k))
+            if (entrant->tracer == NULL && !bb_bench_takes(bench, entrant, k))
                 continue;
             for (uint32_t i = 0; i < intersectors; i++) {
                 bb_traced_cell *c = &set->cells[set->count];
@@ -133,7 +144,7 @@ static bb_status take_turn(void *self, uint32_t who, uint32_t round, double *ms)
         return BB_OK;
     if (!warming)
         bb_bench_show_progress(set->bench);
-    if (c->record.status != BB_OK || (warming && c->entrant->reference))
+    if (c->record.status != BB_OK || (warming && c->entrant->tracer != NULL))
         return BB_OK;
     bb_timing timing;
     set->warming = warming;

@@ -109,7 +109,7 @@ static bb_status take_turn(bb_bench *bench, bb_entrant *entrant, bool *can_be)
 
 static bool is_tried(const bb_entrant *entrant)
 {
-    return !entrant->reference && entrant->record.status == BB_OK;
+    return entrant->tracer == NULL && entrant->record.status == BB_OK;
 }
 
 bb_status bb_bench_unseen_round(bb_bench *bench)

@@ -178,9 +178,6 @@ typedef struct bb_registration {
     __attribute__((visibility("default"))) const bb_registration bb_plugin = {                     \
         BB_PLUGIN_MAGIC, BB_ABI_VERSION, sizeof(bb_registration), &(builder), (files)}
 
-/* Name of the reference rows, Embree with its own trees. No builder may have this name. */
-#define BB_REFERENCE_NAME "embree-native"
-
 /* A builder's role in a pipeline: a splitter, an optimiser, or neither. */
 static inline bool bb_is_splitter(const bb_builder *builder)
 {

@@ -2,6 +2,7 @@
 
 #include "framework/base/suggest.h"
 #include "framework/builder/registry.h"
+#include "framework/builder/tracers.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -10,14 +11,15 @@ static bb_status find_builder(const char *text, bb_pipeline_stage *stage)
 {
     const char *name = stage->spec.name;
     stage->builder = bb_builder_find(name);
-    if (stage->builder == NULL && strcmp(name, BB_REFERENCE_NAME) == 0)
+    if (stage->builder == NULL && bb_tracer_find(name) != NULL)
         return bb_fail(BB_INVALID, "%s traces with its own tree: only `run` takes it%s", name,
                        strchr(text, '+') != NULL ? ", and not as a stage of a builder" : "");
     if (stage->builder == NULL) {
         bb_suggestion meant = {.word = name};
         for (uint32_t i = 0; i < bb_builder_count(); i++)
             bb_suggest(&meant, bb_builder_at(i)->name);
-        bb_suggest(&meant, BB_REFERENCE_NAME);
+        for (uint32_t i = 0; i < bb_tracer_count(); i++)
+            bb_suggest(&meant, bb_tracer_at(i)->name);
         return bb_fail(BB_INVALID, "unknown builder '%s'%s: `bvhbench list builders` shows them",
                        name, bb_suggested(&meant));
     }

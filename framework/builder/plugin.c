@@ -2,6 +2,7 @@
 #include "framework/builder/guard.h"
 #include "framework/builder/registry.h"
 #include "framework/builder/terms.h"
+#include "framework/builder/tracers.h"
 
 #include <dlfcn.h>
 #include <errno.h>
@@ -85,40 +86,74 @@ static const void *find_export(void *object, size_t *bytes)
     return address;
 }
 
+/* The two kinds of plug-ins. Magic word, version and size come first in every version of either;
+ * nothing else is read before they match. */
+typedef struct plugin_kind {
+    const char *magic;
+    uint32_t abi_version;
+    size_t bytes;
+    bb_status (*add)(const void *registration);
+} plugin_kind;
+
+static bb_status add_builder(const void *registration)
+{
+    const bb_registration *of = registration;
+    if (of->builder == NULL)
+        return bb_fail(BB_INVALID, "its bb_plugin has no builder: build it with "
+                                   "bvhbench_add_builder()");
+    return bb_builder_add(of);
+}
+
+static bb_status add_tracer(const void *registration)
+{
+    const bb_tracer_registration *of = registration;
+    if (of->tracer == NULL)
+        return bb_fail(BB_INVALID, "its bb_plugin has no tracer: build it with "
+                                   "bvhbench_add_tracer()");
+    return bb_tracer_add(of->tracer);
+}
+
+static const plugin_kind kinds[] = {
+    {BB_PLUGIN_MAGIC, BB_ABI_VERSION, sizeof(bb_registration), add_builder},
+    {BB_TRACER_MAGIC, BB_TRACER_ABI_VERSION, sizeof(bb_tracer_registration), add_tracer},
+};
+
+static const plugin_kind *kind_of(const bb_registration *found, size_t bytes)
+{
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++)
+        if (bytes >= offsetof(bb_registration, builder) &&
+            memcmp(found->magic, kinds[i].magic, sizeof found->magic) == 0)
+            return &kinds[i];
+    return NULL;
+}
+
 static bb_status take(const char *path, void *object)
 {
     size_t bytes;
     const bb_registration *found = find_export(object, &bytes);
     if (found == NULL)
         return bb_fail(BB_INVALID,
-                       "plug-in %s: is not a bvhbench builder (no symbol bb_plugin): build it with "
-                       "bvhbench_add_builder()",
+                       "plug-in %s: is not a bvhbench builder or tracer (no symbol bb_plugin): "
+                       "build it with bvhbench_add_builder() or bvhbench_add_tracer()",
                        path);
-    /* The magic word, version and size come first in every version; nothing else is read before
-     * they match. */
-    if (bytes < offsetof(bb_registration, builder) ||
-        memcmp(found->magic, BB_PLUGIN_MAGIC, sizeof found->magic) != 0)
+    const plugin_kind *kind = kind_of(found, bytes);
+    if (kind == NULL)
         return bb_fail(BB_INVALID,
-                       "plug-in %s: its bb_plugin is no builder of this bvhbench: build it again, "
-                       "with bvhbench_add_builder()",
+                       "plug-in %s: its bb_plugin is no builder or tracer of this bvhbench: build "
+                       "it again, with bvhbench_add_builder() or bvhbench_add_tracer()",
                        path);
-    if (found->abi_version != BB_ABI_VERSION)
+    if (found->abi_version != kind->abi_version)
         return bb_fail(BB_INVALID,
-                       "plug-in %s: made for ABI version %u, this bvhbench has %d: build it again "
+                       "plug-in %s: made for ABI version %u, this bvhbench has %u: build it again "
                        "with this one's headers",
-                       path, found->abi_version, BB_ABI_VERSION);
-    if (found->bytes != sizeof *found || bytes < sizeof *found)
+                       path, found->abi_version, kind->abi_version);
+    if (found->bytes != kind->bytes || bytes < kind->bytes)
         return bb_fail(BB_INVALID,
                        "plug-in %s: its bb_plugin has %zu bytes, this bvhbench's %zu, both of ABI "
-                       "version %d: build it again with this one's headers",
-                       path, found->bytes != sizeof *found ? found->bytes : bytes, sizeof *found,
-                       BB_ABI_VERSION);
-    if (found->builder == NULL)
-        return bb_fail(BB_INVALID,
-                       "plug-in %s: its bb_plugin has no builder: build it with "
-                       "bvhbench_add_builder()",
-                       path);
-    bb_status status = bb_builder_add(found);
+                       "version %u: build it again with this one's headers",
+                       path, found->bytes != kind->bytes ? found->bytes : bytes, kind->bytes,
+                       kind->abi_version);
+    bb_status status = kind->add(found);
     return status == BB_OK ? BB_OK : bb_fail(status, "plug-in %s: %s", path, bb_message());
 }
 
@@ -147,5 +182,5 @@ bb_status bb_plugin_load(const char *path)
                          bb_message());
     if (status != BB_OK)
         dlclose(object);
-    return status; /* a loaded builder stays for the life of the process */
+    return status; /* a loaded one stays for the life of the process */
 }

@@ -2,7 +2,9 @@
  * plug-ins. */
 #include "framework/builder/registry.h"
 
-#include <ctype.h>
+#include "framework/builder/declared.h"
+#include "framework/builder/tracers.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -59,60 +61,6 @@ const bb_source *bb_device_file_find(const char *name)
 }
 
 /* ---- validation ---- */
-
-/* Lower case, digits, '-', beginning with a letter: valid in a specification and as a folder's
- * name. */
-static bool is_name(const char *name)
-{
-    if (name == NULL || !islower((unsigned char)name[0]) || strlen(name) > 40)
-        return false;
-    for (const char *c = name; *c != '\0'; c++)
-        if (!islower((unsigned char)*c) && !isdigit((unsigned char)*c) && *c != '-')
-            return false;
-    return true;
-}
-
-static bool is_line(const char *text)
-{
-    return text != NULL && text[0] != '\0' && strpbrk(text, "\n\r") == NULL;
-}
-
-/* Whether `value` is among "a|b|c". */
-static bool is_among(const char *values, const char *value)
-{
-    size_t length = strlen(value);
-    for (const char *item = values; item != NULL; item = strchr(item, '|')) {
-        item += *item == '|';
-        if (strcspn(item, "|") == length && strncmp(item, value, length) == 0)
-            return true;
-    }
-    return false;
-}
-
-static bb_status validate_options(const char *builder, const bb_option *options)
-{
-    for (uint32_t i = 0; options != NULL && options[i].name != NULL; i++) {
-        const bb_option *option = &options[i];
-        if (i == BB_PARAMS_MAX)
-            return bb_fail(BB_INVALID, "builder %s: more than %d options, or no end of the table",
-                           builder, BB_PARAMS_MAX);
-        if (option->name[0] == '\0' || strpbrk(option->name, ":=,|+ \t\n") != NULL)
-            return bb_fail(BB_INVALID, "builder %s: option %u has the bad name '%s'", builder, i,
-                           option->name);
-        if (!is_line(option->help))
-            return bb_fail(BB_INVALID, "builder %s: option %s has no help of one line", builder,
-                           option->name);
-        if (option->values != NULL && option->default_value != NULL &&
-            !is_among(option->values, option->default_value))
-            return bb_fail(BB_INVALID, "builder %s: default '%s' of option %s is not among %s",
-                           builder, option->default_value, option->name, option->values);
-        for (uint32_t k = 0; k < i; k++)
-            if (strcmp(options[k].name, option->name) == 0)
-                return bb_fail(BB_INVALID, "builder %s: option %s is declared twice", builder,
-                               option->name);
-    }
-    return BB_OK;
-}
 
 /* One of the stages must be this builder, with parameters that it takes; the builders of the other
  * stages need not exist yet. */
@@ -217,11 +165,10 @@ bb_status bb_builder_validate(const bb_builder *builder)
                        "builder made for ABI version %u, this bvhbench has %d: build it again with "
                        "this one's headers",
                        builder->abi_version, BB_ABI_VERSION);
-    if (!is_name(builder->name) || strcmp(builder->name, "all") == 0 ||
-        strcmp(builder->name, BB_REFERENCE_NAME) == 0)
+    if (!bb_is_name(builder->name) || strcmp(builder->name, "all") == 0)
         return bb_fail(BB_INVALID,
                        "builder with the bad name '%.40s': a letter, then a-z, 0-9 and '-', and "
-                       "neither \"all\" nor \"" BB_REFERENCE_NAME "\"",
+                       "not \"all\"",
                        builder->name == NULL ? "" : builder->name);
     const uint32_t inputs = BB_INPUT_BOXES | BB_INPUT_TREE | BB_INPUT_PROFILE | BB_INPUT_OBJECTS |
                             BB_INPUTS_OF_PRIMITIVES;
@@ -229,8 +176,8 @@ bb_status bb_builder_validate(const bb_builder *builder)
         bool good;
         const char *problem;
     } rules[] = {
-        {is_line(builder->summary), "summary is missing or has more than one line"},
-        {is_line(builder->paper), "paper is missing (\"none\" for none)"},
+        {bb_is_line(builder->summary), "summary is missing or has more than one line"},
+        {bb_is_line(builder->paper), "paper is missing (\"none\" for none)"},
         {builder->kinds != 0 && !(builder->kinds & ~(uint32_t)BB_ALL_KINDS),
          "kinds is 0 or has unknown bits"},
         {builder->inputs != 0 && !(builder->inputs & ~inputs), "inputs is 0 or has unknown bits"},
@@ -251,7 +198,9 @@ bb_status bb_builder_validate(const bb_builder *builder)
     for (size_t i = 0; i < sizeof rules / sizeof *rules; i++)
         if (!rules[i].good)
             return bb_fail(BB_INVALID, "builder %s: %s", builder->name, rules[i].problem);
-    BB_TRY(validate_options(builder->name, builder->options));
+    char what[80];
+    snprintf(what, sizeof what, "builder %s", builder->name);
+    BB_TRY(bb_options_check(what, builder->options));
     for (const bb_variants *row = builder->variants; row != NULL && row->devices != 0; row++)
         BB_TRY(validate_row(builder, row));
     return BB_OK;
@@ -291,8 +240,10 @@ bb_status bb_builder_add(const bb_registration *registration)
 {
     const bb_builder *builder = registration->builder;
     BB_TRY(bb_builder_validate(builder));
-    if (bb_builder_find(builder->name) != NULL)
-        return bb_fail(BB_INVALID, "there is a builder %s already", builder->name);
+    if (bb_builder_find(builder->name) != NULL || bb_tracer_find(builder->name) != NULL)
+        return bb_fail(BB_INVALID, "there is a %s %s already",
+                       bb_tracer_find(builder->name) != NULL ? "tracer" : "builder",
+                       builder->name);
     BB_TRY(check_sole(builder));
     BB_TRY(check_files(builder->name, registration->files));
     if (loaded_count == LOADED_MAX)

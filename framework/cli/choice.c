@@ -3,6 +3,7 @@
 #include "framework/base/progress.h"
 #include "framework/builder/guard.h"
 #include "framework/builder/registry.h"
+#include "framework/builder/tracers.h"
 #include "framework/device/device_private.h"
 #include "framework/report/report.h"
 
@@ -113,6 +114,56 @@ bb_status bb_load_plugins(const bb_names *plugins)
     for (size_t i = 0; i < plugins->count; i++)
         BB_TRY(bb_plugin_load(plugins->items[i]));
     return BB_OK;
+}
+
+/* Returns the length of the file's name with which the item begins; 0: it names no file. */
+static size_t file_of(const char *item)
+{
+    static const char ending[] = ".so";
+    const char *end = strstr(item, ending);
+    while (end != NULL && end[sizeof ending - 1] != '\0' && end[sizeof ending - 1] != ':')
+        end = strstr(end + 1, ending);
+    return end != NULL ? (size_t)(end - item) + sizeof ending - 1 : 0;
+}
+
+static bb_status load_tracer(const char *path, const bb_tracer **tracer)
+{
+    const uint32_t before = bb_tracer_count();
+    BB_TRY(bb_plugin_load(path));
+    *tracer = bb_tracer_at(before);
+    return *tracer != NULL ? BB_OK
+                           : bb_fail(BB_INVALID, "--tracer %s: is a builder: give it to --plugin",
+                                     path);
+}
+
+bb_status bb_load_tracers(bb_names *tracers)
+{
+    const bb_tracer *loaded[BB_NAMES_MAX] = {NULL};
+    char *files[BB_NAMES_MAX] = {NULL};
+    bb_status status = BB_OK;
+    for (size_t i = 0; i < tracers->count && status == BB_OK; i++) {
+        char *item = tracers->items[i], named[1024];
+        const size_t length = file_of(item);
+        if (length == 0)
+            continue;
+        files[i] = strndup(item, length);
+        for (size_t k = 0; k < i && files[i] != NULL && loaded[i] == NULL; k++)
+            if (files[k] != NULL && strcmp(files[k], files[i]) == 0)
+                loaded[i] = loaded[k];
+        if (files[i] != NULL && loaded[i] == NULL)
+            status = load_tracer(files[i], &loaded[i]);
+        if (status != BB_OK)
+            break;
+        snprintf(named, sizeof named, "%s%s", loaded[i] != NULL ? loaded[i]->name : "",
+                 item + length);
+        tracers->items[i] = strdup(named);
+        free(item);
+        if (files[i] == NULL || tracers->items[i] == NULL)
+            status = bb_fail(BB_FAILED, "out of memory");
+    }
+    for (size_t i = 0; i < tracers->count; i++)
+        free(files[i]);
+    return status;
 }
 
 static const char here[] = "in the library's code";

@@ -3,9 +3,9 @@
 #include "framework/base/suggest.h"
 #include "framework/builder/metric.h"
 #include "framework/builder/registry.h"
+#include "framework/builder/tracers.h"
 #include "framework/cli/choice.h"
 #include "framework/device/device_private.h"
-#include "framework/judge/embree.h"
 #include "framework/papers/reproduce.h"
 #include "framework/scene/scene.h"
 #include "framework/stress/axis.h"
@@ -84,8 +84,15 @@ static bb_status list_builders(output *list)
         const bb_builder *b = bb_builder_at(i);
         add(list, b->name, b->summary, b->paper, b->options);
     }
-    add(list, "embree-native", "reference: Embree tracing with its own trees", "Wald et al. 2014",
-        bb_embree_options);
+    return BB_OK;
+}
+
+static bb_status list_tracers(output *list)
+{
+    for (uint32_t i = 0; i < bb_tracer_count(); i++) {
+        const bb_tracer *t = bb_tracer_at(i);
+        add(list, t->name, t->summary, t->paper, t->options);
+    }
     return BB_OK;
 }
 
@@ -220,7 +227,7 @@ static bb_status add_compared(output *list, const char *what, bb_status status, 
 {
     for (size_t i = 0; i < names->count && status == BB_OK; i++)
         add(list, names->items[i],
-            strcmp(what, "builder") == 0 && bb_is_reference(names->items[i]) ? "reference" : what,
+            strcmp(what, "builder") == 0 && bb_tracer_of(names->items[i]) != NULL ? "tracer" : what,
             NULL, NULL);
     bb_names_free(names);
     return status;
@@ -230,7 +237,7 @@ static bb_status list_compared(output *list)
 {
     bb_names names = {0};
     BB_TRY(add_compared(list, "scene", bb_add_shipped_scenes(&names), &names));
-    BB_TRY(add_compared(list, "builder", bb_choose_entrants(&names), &names));
+    BB_TRY(add_compared(list, "builder", bb_choose_entrants(&names, NULL), &names));
     BB_TRY(add_compared(list, "kernel", bb_choose_kernels(&names, NULL), &names));
     BB_TRY(add_compared(list, "rays", bb_names_add(&names, BB_COMPARED_RAYS), &names));
     return add_compared(list, "intersector", bb_names_add(&names, BB_COMPARED_INTERSECTORS),
@@ -241,7 +248,7 @@ static const struct {
     const char *name;
     bb_status (*fill)(output *list);
 } kinds[] = {
-    {"builders", list_builders},         {"kernels", list_kernels},   {"layouts", list_layouts},
+    {"builders", list_builders},         {"tracers", list_tracers},   {"kernels", list_kernels},   {"layouts", list_layouts},
     {"intersectors", list_intersectors}, {"scenes", list_scenes},     {"rays", list_rays},
     {"metrics", list_metrics},           {"papers", list_papers},     {"axes", list_axes},
     {"transfers", list_transfers},       {"compared", list_compared}, {"devices", list_devices},

@@ -27,6 +27,7 @@ typedef struct comparison {
     const char *folder, *history, *part, *time;
     uint32_t charts;
     bool table, quick, no_pictures;
+    bb_names tracers;
     bb_shard shard;   /* `part`, read */
     bool telling;     /* nothing is chosen: accuracy is compared too */
     bb_thrift thrift; /* with `time`: how much is left out */
@@ -42,6 +43,9 @@ static const bb_cli_option options[] = {
      "builder with parameters, name:key=value,..., or A+B, or `all`; default: the variants to "
      "compare",
      BB_INTO(comparison, entrants.builders)},
+    {"tracer", "T",
+     "tracer, beside the builders: FILE.so:key=value,..., or name:key=value,...; see `list tracers`",
+     BB_INTO(comparison, tracers)},
     {"kernel", "K",
      "kernel, or `all`; default: those to compare, and those that keep a tree's shape",
      BB_INTO(comparison, entrants.kernels)},
@@ -166,7 +170,7 @@ static bb_status choose(comparison *c)
 {
     const uint32_t device = bb_device_find_kind(c->device.name);
     bb_bench_request *request = &c->request;
-    BB_TRY(bb_choose_entrants(&c->entrants.builders));
+    BB_TRY(bb_choose_entrants(&c->entrants.builders, &c->tracers));
     BB_TRY(choose_traces(c));
     BB_TRY(bb_choose_intersectors(&c->entrants.intersectors));
     BB_TRY(bb_choose_metrics(&c->metrics));
@@ -270,6 +274,7 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
     }
     BB_TRY(bb_charts_decide(&c->charts));
     BB_TRY(bb_load_plugins(&c->device.plugins));
+    BB_TRY(bb_load_tracers(&c->tracers));
     BB_TRY(bb_cells_read(&c->keys, &c->cells));
     BB_TRY(bb_choose_scenes(&c->entrants.scenes, bb_add_shipped_scenes));
     BB_TRY(foretell(c));
@@ -318,8 +323,10 @@ const bb_command bb_command_run = {
     .name = "run",
     .summary = "compare builders: build, trace, judge every answer, report",
     .details =
-        "Embree with its own trees, tracing ray by ray, by packets and by streams, is added as\n"
-        "reference rows, embree-native:..., unless one is among the builders.\n"
+        "Tracers build trees of their own and trace them by code of their own. Embree's is in each\n"
+        "run, as the reference: embree-native, ray by ray, by packets and by streams, unless "
+        "rows of it\n"
+        "are given.\n"
         "--cell takes the key of a measurement: `cell` of a build or trace in results.json.\n"
         "--history appends the run when it is done, in one transaction; before measuring, it "
         "checks that\n"

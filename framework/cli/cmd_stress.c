@@ -1,6 +1,7 @@
 /* bvhbench stress: where methods fail. */
 #include "framework/base/interrupt.h"
 #include "framework/builder/registry.h"
+#include "framework/builder/tracers.h"
 #include "framework/cli/choice.h"
 #include "framework/cli/out_option.h"
 #include "framework/cli/output.h"
@@ -72,7 +73,7 @@ static bb_status add_methods(const bb_names *names, bb_method_part part, wanted 
         if (w->request.method_count == BB_METHODS_MAX)
             return bb_fail(BB_INVALID, "stress: more than %d methods: choose fewer",
                            BB_METHODS_MAX);
-        *m = (bb_method){part, names->items[i], !bb_is_reference(names->items[i])};
+        *m = (bb_method){part, names->items[i], bb_tracer_of(names->items[i]) == NULL};
         if (part == BB_AN_INTERSECTOR) {
             BB_TRY(bb_intersector_parse(m->text, &intersector));
             m->exact = bb_intersector_is_exact(&intersector);

@@ -4,6 +4,7 @@
 #include "framework/builder/metric.h"
 #include "framework/builder/pipeline.h"
 #include "framework/builder/registry.h"
+#include "framework/builder/tracers.h"
 #include "framework/device/device_private.h"
 #include "framework/record/cell.h"
 #include "framework/scene/scene.h"
@@ -210,20 +211,19 @@ bb_status bb_choose_builders(bb_names *names, bool every)
     return choose(&builders, every ? add_every_variant : add_compared_variants, names);
 }
 
-bb_status bb_choose_entrants(bb_names *names)
+bb_status bb_choose_entrants(bb_names *names, const bb_names *tracers)
 {
+    static const list entrants = {"tracer", add_all_builders, offsetof(spelt, cell.builder)};
+    const bb_tracer *reference = bb_tracer_find(BB_REFERENCE_NAME);
     bool referenced = false;
     BB_TRY(bb_choose_builders(names, false));
+    for (size_t i = 0; tracers != NULL && i < tracers->count; i++)
+        BB_TRY(bb_names_add_item(names, tracers->items[i]));
     for (size_t i = 0; i < names->count; i++)
-        referenced = referenced || bb_is_reference(names->items[i]);
-    if (referenced)
-        return BB_OK;
-    return bb_names_add(names, "embree-native:quality=medium,mode=robust,"
-                               "embree-native:quality=medium,mode=fast,"
-                               "embree-native:quality=high,mode=fast,"
-                               "embree-native:quality=high,mode=fast,query=packet8,"
-                               "embree-native:quality=high,mode=fast,query=packet16,"
-                               "embree-native:quality=high,mode=fast,query=stream");
+        referenced = referenced || bb_tracer_of(names->items[i]) == reference;
+    if (!referenced)
+        BB_TRY(bb_names_add(names, bb_tracer_compared(reference)));
+    return refuse_twins(&entrants, names);
 }
 
 /* ---- what traces, and what is traced and measured ---- */

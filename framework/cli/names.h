@@ -23,8 +23,9 @@ bb_status bb_add_shipped_scenes(bb_names *names);
  * and, with `every`, the names of builders that stay out of it. */
 bb_status bb_choose_builders(bb_names *names, bool every);
 
-/* The builders, and the references, which are in every result of `run`. */
-bb_status bb_choose_entrants(bb_names *names);
+/* The builders, the tracers (NULL: none), and, unless it is among them, the tracer that is the
+ * reference, which is in every result of `run`. */
+bb_status bb_choose_entrants(bb_names *names, const bb_names *tracers);
 
 /* Default rays and intersectors of `run`. */
 #define BB_COMPARED_RAYS "primary,ao,diffuse,shadow,random"

@@ -2,6 +2,8 @@
  * apart. */
 #include "framework/compare/summary_private.h"
 
+#include "framework/builder/tracers.h"
+
 #include <string.h>
 
 typedef struct cost {
@@ -64,7 +66,7 @@ const bb_candidate *bb_fastest_reference(const bb_summary_view *v, uint32_t set,
     const bb_candidate *best = NULL;
     for (uint32_t e = 0; e < v->n->entrant_count; e++) {
         const bb_entrant_row *entrant = &v->n->entrants[e];
-        bool takes_part = entrant->reference && entrant->run == run;
+        bool takes_part = bb_is_reference(entrant->builder) && entrant->run == run;
         const bb_candidate *c = takes_part ? bb_fastest(v, e, set, 0) : NULL;
         if (c != NULL && (best == NULL || c->ns < best->ns))
             best = c;

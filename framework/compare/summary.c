@@ -2,6 +2,8 @@
  * and ties. */
 #include "framework/compare/summary_private.h"
 
+#include "framework/builder/tracers.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -422,7 +424,8 @@ static bb_status make_rows(bb_summary_view *v, const bb_summary_choice *choice, 
     find_untimed(v);
     for (uint32_t i = 0; i < v->n->set_count; i++)
         for (uint32_t e = 0; e < v->n->entrant_count; e++)
-            if (v->sets[i] && v->n->entrants[e].reference && bb_fastest(v, e, i, 0) != NULL)
+            if (v->sets[i] && bb_is_reference(v->n->entrants[e].builder) &&
+                bb_fastest(v, e, i, 0) != NULL)
                 s->reference = reference;
     for (uint32_t e = 0; e < v->n->entrant_count; e++)
         v->favourites[e] = find_favourite(v, e);

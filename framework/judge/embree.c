@@ -7,7 +7,6 @@
  */
 #include "framework/judge/embree_private.h"
 
-#include "framework/base/clock.h"
 #include "framework/base/interrupt.h"
 #include "framework/base/limits.h"
 #include "framework/base/memory.h"
@@ -232,7 +231,7 @@ static enum RTCBuildQuality quality_of(const bb_spec *spec)
     return RTC_BUILD_QUALITY_MEDIUM;
 }
 
-static bb_status build(bb_embree *embree, const bb_scene *scene, const bb_spec *spec)
+static bb_status start(bb_embree *embree, const bb_scene *scene, const bb_spec *spec)
 {
     enum RTCBuildQuality quality = quality_of(spec);
     const bool oracle = spec == NULL, /* which saves memory, not time */
@@ -247,34 +246,16 @@ static bb_status build(bb_embree *embree, const bb_scene *scene, const bb_spec *
     return check(embree, "geometry");
 }
 
-/* Commits geometry and scene; *ms: wall time of both. */
-static void commit(bb_embree *embree, double *ms)
-{
-    double start = bb_wall_ms();
-    for (uint32_t id = 0; id < embree->geometries; id++)
-        rtcCommitGeometry(rtcGetGeometry(embree->scene, id));
-    rtcCommitScene(embree->scene);
-    if (ms != NULL)
-        *ms = bb_wall_ms() - start;
-}
-
-bb_status bb_embree_rebuild(bb_embree *embree, double *ms)
+bb_status bb_embree_build(bb_embree *embree)
 {
     /* Embree does not rebuild geometries that are not marked as changed */
-    for (uint32_t id = 0; id < embree->geometries; id++)
-        rtcUpdateGeometryBuffer(rtcGetGeometry(embree->scene, id), RTC_BUFFER_TYPE_VERTEX, 0);
-    commit(embree, ms);
+    for (uint32_t id = 0; id < embree->geometries; id++) {
+        RTCGeometry geometry = rtcGetGeometry(embree->scene, id);
+        rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+        rtcCommitGeometry(geometry);
+    }
+    rtcCommitScene(embree->scene);
     return check(embree, "build");
-}
-
-bool bb_embree_same_tree(const bb_spec *a, const bb_spec *b)
-{
-    for (const bb_option *o = bb_embree_options; o->name != NULL; o++)
-        if (strcmp(o->name, "query") != 0 && strcmp(o->name, "coherent") != 0 &&
-            strcmp(bb_spec_value(a, bb_embree_options, o->name),
-                   bb_spec_value(b, bb_embree_options, o->name)) != 0)
-            return false;
-    return true;
 }
 
 uint64_t bb_embree_bytes(const bb_embree *embree)
@@ -282,38 +263,24 @@ uint64_t bb_embree_bytes(const bb_embree *embree)
     return (uint64_t)atomic_load(&embree->bytes);
 }
 
-double bb_embree_span_ms(const bb_embree *embree)
-{
-    return bb_pool_span_ms(embree->pool);
-}
-
 bb_status bb_embree_create(const bb_scene *scene, const bb_spec *spec, uint32_t threads,
-                           bb_embree **out, double *build_ms)
+                           bb_embree **out)
 {
     *out = NULL;
     bb_embree *embree = calloc(1, sizeof *embree);
     if (embree == NULL)
         return bb_fail(BB_REFUSED, "the host refused the memory of an Embree device");
     embree->of = scene;
-    bb_status status = bb_pool_create(threads, &embree->pool);
-    if (status != BB_OK)
-        goto out;
     /* Embree's own threads (TBB) only build, and sleep between builds. */
     char config[64];
-    snprintf(config, sizeof config, "threads=%u,set_affinity=0", bb_pool_threads(embree->pool));
+    snprintf(config, sizeof config, "threads=%u,set_affinity=0", threads);
     embree->device = rtcNewDevice(config);
-    if (embree->device == NULL) {
-        status = no_device();
-        goto out;
+    bb_status status = embree->device != NULL ? BB_OK : no_device();
+    if (status == BB_OK) {
+        rtcSetDeviceErrorFunction(embree->device, keep_error, embree);
+        rtcSetDeviceMemoryMonitorFunction(embree->device, count_bytes, embree);
+        status = start(embree, scene, spec);
     }
-    rtcSetDeviceErrorFunction(embree->device, keep_error, embree);
-    rtcSetDeviceMemoryMonitorFunction(embree->device, count_bytes, embree);
-    status = build(embree, scene, spec);
-    if (status != BB_OK)
-        goto out;
-    commit(embree, build_ms);
-    status = check(embree, "build");
-out:
     if (status == BB_OK)
         *out = embree;
     else
@@ -329,6 +296,5 @@ void bb_embree_destroy(bb_embree *embree)
         rtcReleaseScene(embree->scene);
     if (embree->device != NULL)
         rtcReleaseDevice(embree->device);
-    bb_pool_destroy(embree->pool);
     free(embree);
 }

@@ -4,7 +4,6 @@
 
 #include "framework/judge/embree.h"
 
-#include "framework/base/threads.h"
 #include "framework/judge/embree_api.h"
 
 #include <stdatomic.h>
@@ -28,7 +27,6 @@ struct bb_embree {
     const bb_scene *of;
     RTCDevice device;
     RTCScene scene;
-    bb_pool *pool;
     bb_embree_query query;
     bool coherent;                      /* rays of a call are said to be near each other */
     uint32_t first_prim[BB_KIND_COUNT]; /* per geometry, in the scene's numbering */

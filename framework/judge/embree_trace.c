@@ -6,10 +6,7 @@
 #include <xmmintrin.h>
 #endif
 
-enum {
-    CHUNK = 2048, /* rays that a thread takes at once; a multiple of packets and streams */
-    STREAM = 256, /* rays of a stream: 24 KiB, which stay in a core's cache */
-};
+enum { STREAM = 256 }; /* rays of a stream: 24 KiB, which stay in a core's cache */
 
 typedef struct trace_job {
     bb_embree *embree;
@@ -19,7 +16,7 @@ typedef struct trace_job {
 
 /* ---- what the library has ---- */
 
-bb_status bb_embree_set_query(bb_embree *embree, const bb_spec *spec)
+bb_status bb_embree_pass(bb_embree *embree, const bb_spec *spec)
 {
     static const struct {
         const char *name;
@@ -230,7 +227,7 @@ static void any_stream(trace_job *job, size_t begin, size_t end)
 }
 
 #else
-/* bb_embree_set_query() refuses streams */
+/* bb_embree_pass() refuses streams */
 #define closest_stream closest_single
 #define any_stream any_single
 #endif
@@ -245,47 +242,24 @@ static trace_fn *const closest[] = {
     [BB_QUERY_STREAM] = closest_stream,
 };
 
-static trace_fn *const any[] = {
+static trace_fn *const any_hit[] = {
     [BB_QUERY_SINGLE] = any_single,   [BB_QUERY_PACKET4] = any_packet4,
     [BB_QUERY_PACKET8] = any_packet8, [BB_QUERY_PACKET16] = any_packet16,
     [BB_QUERY_STREAM] = any_stream,
 };
 
-/* Traces with flush-to-zero, as Embree requests; it is set here only, so that no other arithmetic
- * changes. */
-static void trace_chunk(trace_job *job, size_t begin, size_t end, trace_fn *trace)
+bb_status bb_embree_trace(bb_embree *embree, const bb_ray *rays, uint32_t count, bool any,
+                          bb_hit *hits)
 {
-#if defined(__SSE__)
+    trace_job job = {.embree = embree, .rays = rays, .hits = hits};
+#if defined(__SSE__) /* flush to zero, as Embree asks; here alone, so that no other arithmetic changes */
     unsigned int saved = _mm_getcsr();
     _mm_setcsr(saved | 0x8040u); /* FTZ and DAZ */
 #endif
-    trace(job, begin, end);
+    (any ? any_hit : closest)[embree->query](&job, 0, count);
 #if defined(__SSE__)
     _mm_setcsr(saved);
 #endif
-}
-
-static void closest_chunk(void *context, size_t begin, size_t end, uint32_t thread)
-{
-    trace_job *job = context;
-    (void)thread;
-    trace_chunk(job, begin, end, closest[job->embree->query]);
-}
-
-static void any_chunk(void *context, size_t begin, size_t end, uint32_t thread)
-{
-    trace_job *job = context;
-    (void)thread;
-    trace_chunk(job, begin, end, any[job->embree->query]);
-}
-
-bb_status bb_embree_trace(bb_embree *embree, const bb_ray *rays, uint32_t count,
-                          const bb_query *query, bb_hit *hits)
-{
-    trace_job job = {.embree = embree, .rays = rays, .hits = hits};
-    if (!query->is_hit)
-        return bb_fail(BB_UNSUPPORTED, "Embree does not answer %s queries", query->name);
-    bb_parallel_for(embree->pool, count, CHUNK, query->any ? any_chunk : closest_chunk, &job);
     int code = atomic_exchange(&embree->error, RTC_ERROR_NONE);
     if (code != RTC_ERROR_NONE)
         return bb_fail(BB_FAILED, "Embree, tracing %u rays: %s (error %d)", count, embree->text,

@@ -21,7 +21,9 @@ bb_status bb_oracle_create(const bb_scene *scene, uint32_t threads, bb_oracle **
     oracle->scene = scene;
     bb_status status = bb_pool_create(threads, &oracle->pool);
     if (status == BB_OK)
-        status = bb_embree_create(scene, NULL, threads, &oracle->embree, NULL);
+        status = bb_embree_create(scene, NULL, threads, &oracle->embree);
+    if (status == BB_OK)
+        status = bb_embree_build(oracle->embree);
     if (status != BB_OK) {
         bb_oracle_destroy(oracle);
         return status;
@@ -42,10 +44,31 @@ void bb_oracle_destroy(bb_oracle *oracle)
     free(oracle);
 }
 
+typedef struct trace_job {
+    bb_oracle *oracle;
+    const bb_ray *rays;
+    bb_hit *hits;
+    bool any;
+    _Atomic bool failed;
+} trace_job;
+
+static void trace_chunk(void *context, size_t begin, size_t end, uint32_t thread)
+{
+    trace_job *job = context;
+    (void)thread;
+    if (bb_embree_trace(job->oracle->embree, job->rays + begin, (uint32_t)(end - begin), job->any,
+                        job->hits + begin) != BB_OK)
+        job->failed = true;
+}
+
 bb_status bb_oracle_trace(bb_oracle *oracle, const bb_ray *rays, uint32_t count,
                           const bb_query *query, bb_hit *hits)
 {
-    return bb_embree_trace(oracle->embree, rays, count, query, hits);
+    trace_job job = {oracle, rays, hits, query->any, false};
+    if (!query->is_hit)
+        return bb_fail(BB_UNSUPPORTED, "Embree does not answer %s queries", query->name);
+    bb_parallel_for(oracle->pool, count, CHUNK, trace_chunk, &job);
+    return job.failed ? bb_fail(BB_FAILED, "Embree failed to trace %u rays", count) : BB_OK;
 }
 
 /* ---- what arbitration needs ---- */

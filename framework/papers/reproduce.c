@@ -5,6 +5,7 @@
 #include "framework/base/steering.h"
 #include "framework/builder/instance.h"
 #include "framework/builder/registry.h"
+#include "framework/builder/tracers.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -123,8 +124,7 @@ bool bb_missing_stage(const char *builder, char *name, size_t capacity)
     if (bb_spec_stages(builder, stages, BB_STAGES_MAX, &count) != BB_OK)
         return false;
     for (uint32_t i = 0; i < count; i++)
-        if (bb_builder_find(stages[i].name) == NULL &&
-            strcmp(stages[i].name, BB_REFERENCE_NAME) != 0) {
+        if (bb_builder_find(stages[i].name) == NULL && bb_tracer_find(stages[i].name) == NULL) {
             snprintf(name, capacity, "%s", stages[i].name);
             return true;
         }

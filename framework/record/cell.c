@@ -1,7 +1,8 @@
 /* Reads and writes the keys of cells. */
 #include "framework/record/cell.h"
 #include "framework/base/number.h"
-#include "framework/builder/builder.h"
+#include "framework/builder/registry.h"
+#include "framework/builder/tracers.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -185,11 +186,13 @@ static bb_status read_part(const char *key, const char *at, const char *end, bb_
                           "measured with each cell that traces it");
 }
 
-bool bb_is_reference(const char *builder)
+/* Whether the text names a builder, or several stages. Neither does a tracer's, be it loaded here or
+ * not. */
+static bool is_builder(const char *text)
 {
-    size_t length = sizeof BB_REFERENCE_NAME - 1;
-    return strncmp(builder, BB_REFERENCE_NAME, length) == 0 &&
-           (builder[length] == '\0' || builder[length] == ':');
+    char name[64];
+    snprintf(name, sizeof name, "%.*s", (int)strcspn(text, ":+"), text);
+    return bb_builder_find(name) != NULL || strchr(text, '+') != NULL;
 }
 
 /* Checks which parts must and must not be there, and sets defaults. */
@@ -201,9 +204,9 @@ static bb_status complete(const char *key, bb_cell_parts *cell)
     if (!traced && (kernel || cell->intersector[0] != '\0' || cell->view[0] != '\0' ||
                     cell->known_by_hash || cell->width > 0 || cell->max_rays > 0))
         return malformed(key, "it names no rays");
-    if (bb_is_reference(cell->builder) && (kernel || cell->intersector[0] != '\0'))
-        return malformed(key, "a reference traces by itself: it has no kernel and no intersector");
-    if (!bb_is_reference(cell->builder) && traced && !kernel)
+    if (bb_tracer_of(cell->builder) != NULL && (kernel || cell->intersector[0] != '\0'))
+        return malformed(key, "a tracer traces by itself: it has no kernel and no intersector");
+    if (is_builder(cell->builder) && traced && !kernel)
         return malformed(key, "it names no kernel");
     if (kernel && cell->intersector[0] == '\0')
         strcpy(cell->intersector, "exact");

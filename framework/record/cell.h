@@ -87,9 +87,6 @@ void bb_cell_short(bb_cell_parts *cell);
 void bb_cell_key_canonical(const char *key, char canonical[BB_CELL_KEY]);
 void bb_cell_key_short(const char *key, char brief[BB_CELL_KEY]);
 
-/* Returns whether this builder is a reference row (Embree with its own trees). */
-bool bb_is_reference(const char *builder);
-
 /* ---- parts of a key; a key names its rays first, then its builder and what traces ---- */
 
 /* Returns the length of the beginning that cells on one scene and rays share, for any view. */

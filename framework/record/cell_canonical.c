@@ -2,7 +2,7 @@
  * that have their defaults. */
 #include "framework/base/number.h"
 #include "framework/builder/pipeline.h"
-#include "framework/judge/embree.h"
+#include "framework/builder/tracers.h"
 #include "framework/record/cell.h"
 #include "framework/scene/scene.h"
 #include "framework/workload/workload.h"
@@ -87,8 +87,10 @@ static void respell_builder(char builder[BB_CELL_TEXT], bool defaults)
 {
     bb_spec spec;
     bb_pipeline pipeline;
-    if (bb_spec_parse(builder, &spec) == BB_OK && strcmp(spec.name, BB_REFERENCE_NAME) == 0) {
-        respell(&spec, bb_embree_options, defaults, builder);
+    const bb_tracer *tracer = bb_tracer_of(builder);
+    if (tracer != NULL) {
+        if (bb_spec_parse(builder, &spec) == BB_OK)
+            respell(&spec, tracer->options, defaults, builder);
         return;
     }
     if (bb_pipeline_parse(builder, &pipeline) != BB_OK)

@@ -3,6 +3,7 @@
 
 #include "framework/base/steering.h"
 #include "framework/bench/bench.h"
+#include "framework/builder/tracers.h"
 #include "framework/record/schema.h"
 
 #include <math.h>
@@ -140,7 +141,7 @@ static void read_method(const bb_results *results, const bb_point_request *reque
     const char *parts[BB_METHOD_PARTS];
     bb_method_cell(request->points->axis, method, parts);
     row r = {parts[BB_A_BUILDER], parts[BB_A_KERNEL], parts[BB_AN_INTERSECTOR]};
-    if (bb_is_reference(r.builder))
+    if (bb_tracer_of(r.builder) != NULL)
         r.kernel = r.intersector = NULL;
     read_build(results, r.builder, f);
     if (method->part != BB_A_BUILDER) /* it does not build the tree */

@@ -3,6 +3,7 @@
 #include "framework/stress/point_private.h"
 
 #include "framework/bench/bench.h"
+#include "framework/builder/tracers.h"
 #include "framework/tasks/animate.h"
 
 #include <math.h>
@@ -184,7 +185,7 @@ void bb_point_frames(const bb_points *points, bb_device *device, bb_wish *wish)
         wish->figures[m] = bb_no_figures(BB_NOT_MEASURED);
         if (!wish->wanted[m])
             continue;
-        if (method->part == BB_A_BUILDER && bb_is_reference(method->text)) {
+        if (method->part == BB_A_BUILDER && bb_tracer_of(method->text) != NULL) {
             bb_point_end(&wish->figures[m], BB_OUT_UNSUPPORTED,
                          "the reference does not follow a scene that moves");
             continue;

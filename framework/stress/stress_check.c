@@ -3,6 +3,7 @@
 
 #include "framework/base/identity.h"
 #include "framework/builder/instance.h"
+#include "framework/builder/tracers.h"
 #include "framework/record/cell.h"
 #include "framework/scene/scene.h"
 #include "framework/stress/point_private.h"
@@ -119,7 +120,7 @@ static int try_builders(void *user)
     for (uint32_t i = 0; i < request->method_count && status == BB_OK; i++) {
         const bb_method *method = &request->methods[i];
         bb_child_alive();
-        if (method->part == BB_A_BUILDER && !bb_is_reference(method->text))
+        if (method->part == BB_A_BUILDER && bb_tracer_of(method->text) == NULL)
             status = bb_instance_try(device, method->text, request->seed);
     }
     if (status != BB_OK)

@@ -3,7 +3,7 @@
 #include "framework/base/memory.h"
 #include "framework/base/random.h"
 #include "framework/device/device_private.h"
-#include "framework/judge/embree.h"
+#include "framework/builder/tracing.h"
 #include "framework/judge/queries.h"
 #include "framework/scene/tets_faces.h"
 #include "framework/tasks/mesh_row.h"
@@ -40,7 +40,7 @@ typedef struct location {
     cl_program program;
     cl_kernel of_faces;
     bb_buffer d_points, d_sides, d_hits;
-    bb_embree *embree;
+    bb_tracing *embree;
     embree_way ways[QUERIES];
 } location;
 
@@ -209,22 +209,31 @@ static bb_status see(void *self, uint32_t question, const void *first, uint32_t 
 
 /* ---- Embree ---- */
 
+static bb_status build_embree(location *l, double *ms)
+{
+    bb_build_timing timing;
+    bb_phases phases;
+    BB_TRY(bb_tracing_build(l->embree, &timing, &phases));
+    *ms = timing.timing.ms;
+    return BB_OK;
+}
+
 static bb_status start_embree(location *l)
 {
     double ms;
-    BB_TRY(bb_embree_create(l->faces, NULL, bb_host_threads(l->request->contest.device), &l->embree,
-                            &ms));
+    BB_TRY(bb_tracing_create(l->request->contest.device, BB_REFERENCE_NAME, l->faces, &l->embree));
+    BB_TRY(build_embree(l, &ms));
     for (int i = 0; i < QUERIES; i++) {
         embree_way *e = &l->ways[i];
         char text[64];
         e->query = embree_queries[i];
-        snprintf(text, sizeof text, "embree-native:query=%s", e->query);
+        snprintf(text, sizeof text, BB_REFERENCE_NAME ":query=%s", e->query);
         BB_TRY(bb_spec_parse(text, &e->spec));
-        const bb_status status = bb_embree_set_query(l->embree, &e->spec);
+        const bb_status status = bb_tracing_pass(l->embree, &e->spec);
         if (status != BB_OK && status != BB_UNSUPPORTED)
             return status;
         e->missing = status != BB_OK;
-        e->way.builder = "faces/embree-native";
+        e->way.builder = "faces/" BB_REFERENCE_NAME;
         e->way.search = e->query;
         e->way.visits = e->way.work = e->way.restarts = NAN; /* Embree does not say */
     }
@@ -233,13 +242,9 @@ static bb_status start_embree(location *l)
 
 static bb_status trace_embree(location *l, embree_way *e, bb_timing *timing)
 {
-    bb_stopwatch watch;
-    BB_TRY(bb_embree_set_query(l->embree, &e->spec));
-    BB_TRY(bb_stopwatch_start(l->request->contest.device, &watch));
-    return bb_stopwatch_stop(
-        &watch,
-        bb_embree_trace(l->embree, l->rays.rays, l->rays.count, bb_query_find("closest"), l->hits),
-        timing);
+    BB_TRY(bb_tracing_pass(l->embree, &e->spec));
+    const bb_guarded whose = {l->faces->name, BB_REFERENCE_NAME};
+    return bb_tracing_trace(l->embree, whose, l->rays.rays, l->rays.count, false, l->hits, timing);
 }
 
 /* In each round: its build, and each of its queries. */
@@ -247,7 +252,7 @@ static bb_status time_embree(void *self)
 {
     location *l = self;
     double build_ms;
-    BB_TRY(bb_embree_rebuild(l->embree, &build_ms));
+    BB_TRY(build_embree(l, &build_ms));
     for (int i = 0; i < QUERIES; i++) {
         embree_way *e = &l->ways[i];
         bb_timing timing;
@@ -355,7 +360,7 @@ bb_status bb_location_run(const bb_location_request *request, bb_scene *scene, b
     l->task.fill = fill;
     if (status == BB_OK)
         status = bb_contest_run(&request->contest, &l->task, table);
-    bb_embree_destroy(l->embree);
+    bb_tracing_destroy(l->embree);
     bb_tet_kernels_release(&l->kernels);
     bb_kernel_release(l->of_faces);
     bb_program_release(l->program);

@@ -5,12 +5,12 @@ set -euo pipefail
 cd "$1"
 export LC_ALL=C
 layers=$(sed -n 's/^| `\([a-z/]*\)\/` .*/\1/p' framework/README.md)
-for folder in framework/* scenes traversal builders kernels; do
+for folder in framework/* scenes traversal builders tracers kernels; do
     [ ! -d "$folder" ] || grep -qxF "$folder" <<<"$layers" || { echo "$folder is no layer of framework/README.md"; exit 1; }
 done
 
 # FILE INCLUDED, one per line. What is not there is another package's, or lies beside the file.
-arrows=$(find framework traversal scenes builders kernels -name '*.[ch]' -o -name '*.[ch]pp' |
+arrows=$(find framework traversal scenes builders tracers kernels -name '*.[ch]' -o -name '*.[ch]pp' |
     xargs grep -Ho '^#include "[^"]*"' | sed 's/:#include "/ /; s/"$//' | grep / || true)
 [ "$(wc -l <<<"$arrows")" -gt 300 ] || { echo "only $(wc -l <<<"$arrows") includes were found"; exit 1; }
 

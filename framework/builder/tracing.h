@@ -1,0 +1,37 @@
+/* A tracer on a scene: its object, the clock of its builds and traces, and the threads that call it.
+ */
+#ifndef BB_TRACING_H
+#define BB_TRACING_H
+
+#include "framework/builder/guard.h"
+#include "framework/builder/instance.h"
+#include "framework/builder/tracers.h"
+
+typedef struct bb_tracing bb_tracing;
+
+/* Creates the tracer's object for the row `text`. BB_UNSUPPORTED: it does not take the scene's
+ * primitives, or lacks what its parameters ask for. To be freed by bb_tracing_destroy(), before the
+ * scene. */
+bb_status bb_tracing_create(bb_device *device, const char *text, const bb_scene *scene,
+                            bb_tracing **out);
+void bb_tracing_destroy(bb_tracing *tracing); /* NULL is allowed */
+
+/* Builds anew. `phases` gets the tracer's; the time by the device's clock is their sum. */
+bb_status bb_tracing_build(bb_tracing *tracing, bb_build_timing *timing, bb_phases *phases);
+
+/* Rays are passed as `spec` says from now on. */
+bb_status bb_tracing_pass(bb_tracing *tracing, const bb_spec *spec);
+
+/* Traces on all threads. If the tracer dies, `whose` row is lost. The time by the device's clock is
+ * that of the threads, from the first that began to the last that ended. */
+bb_status bb_tracing_trace(bb_tracing *tracing, bb_guarded whose, const bb_ray *rays,
+                           uint32_t count, bool any, bb_hit *hits, bb_timing *timing);
+
+/* Returns the bytes that the tracer says it holds, or, if they are more, those that its create() and
+ * build() have added to the heap. */
+uint64_t bb_tracing_bytes(const bb_tracing *tracing);
+
+/* Describes the last build; "" if the tracer does not. */
+bb_status bb_tracing_describe(bb_tracing *tracing, char *text, size_t capacity);
+
+#endif

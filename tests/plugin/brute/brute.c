@@ -1,0 +1,179 @@
+/* A tracer without a tree, for tests: brute force in doubles; or one that breaks a promise. */
+#include "framework/builder/tracer.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+static const bb_option options[] = {
+    {"kind", "right",
+     "right|blind|crashes|crashes-early|hangs|fewer|rays|scene|threads|fails|fails-late|lacks|"
+     "lacks-late",
+     "what it does"},
+    {"pace", "one", "one|two", "says how rays are passed, which changes nothing"},
+    {NULL, NULL, NULL, NULL},
+};
+
+typedef struct brute {
+    const bb_tracer_context *c;
+    float *copy; /* of the vertices */
+    uint64_t bytes;
+    bool worker;
+} brute;
+
+static bool is(const brute *b, const char *kind)
+{
+    return bb_spec_is(b->c->spec, options, "kind", kind);
+}
+
+static void *work(void *nothing)
+{
+    (void)nothing;
+    for (volatile uint64_t i = 0; i < UINT64_MAX; i++)
+        if (i % 1000000 == 0)
+            pthread_testcancel();
+    return NULL;
+}
+
+static bb_status create(const bb_tracer_context *c, void **self)
+{
+    brute *b = calloc(1, sizeof *b);
+    if (b == NULL)
+        return bb_fail(BB_REFUSED, "brute: no memory");
+    b->c = c;
+    *self = b;
+    if (is(b, "lacks"))
+        return bb_fail(BB_UNSUPPORTED, "brute: this library lacks it");
+    if (is(b, "crashes-early"))
+        raise(SIGSEGV);
+    return c->scene->view_count == 0 ? BB_OK : bb_fail(BB_FAILED, "brute: it sees views");
+}
+
+static bb_status build(void *self, bb_phases *phases)
+{
+    brute *b = self;
+    const size_t bytes = 3 * sizeof(float) * b->c->scene->vertex_count;
+    BB_TRY(bb_phase(phases, "copy"));
+    free(b->copy);
+    b->copy = malloc(bytes);
+    if (b->copy == NULL)
+        return bb_fail(BB_REFUSED, "brute: no memory");
+    memcpy(b->copy, b->c->scene->vertices, bytes);
+    b->bytes = bytes;
+    if (is(b, "fails"))
+        return bb_fail(BB_FAILED, "brute: cannot build");
+    if (is(b, "scene"))
+        b->c->scene->vertices[0] += 1;
+    if (is(b, "threads") && !b->worker) {
+        pthread_t thread;
+        b->worker = pthread_create(&thread, NULL, work, NULL) == 0;
+    }
+    const struct timespec nap = {0, 200000}; /* a build takes some time */
+    nanosleep(&nap, NULL);
+    return bb_phase(phases, NULL);
+}
+
+static bb_status pass(void *self, const bb_spec *spec)
+{
+    (void)spec;
+    return is(self, "lacks-late") ? bb_fail(BB_UNSUPPORTED, "brute: it lacks that") : BB_OK;
+}
+
+static double triple(const double a[3], const double b[3], const double c[3])
+{
+    return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) +
+           a[2] * (b[0] * c[1] - b[1] * c[0]);
+}
+
+/* Signed volumes: the ray passes the triangle if all edges are on one side. */
+static double meet(const brute *b, const bb_ray *ray, uint32_t triangle)
+{
+    double v[3][3], d[3], volume[3], sum = 0, t = 0;
+    for (int k = 0; k < 3; k++) {
+        const uint32_t vertex = bb_scene_indices(b->c->scene)[3 * triangle + (uint32_t)k];
+        for (int x = 0; x < 3; x++)
+            v[k][x] = (double)b->copy[3 * vertex + (uint32_t)x] - ray->o[x];
+    }
+    for (int x = 0; x < 3; x++)
+        d[x] = ray->d[x];
+    for (int k = 0; k < 3; k++)
+        sum += volume[k] = triple(d, v[(k + 1) % 3], v[(k + 2) % 3]);
+    const bool inside = (volume[0] >= 0 && volume[1] >= 0 && volume[2] >= 0) ||
+                        (volume[0] <= 0 && volume[1] <= 0 && volume[2] <= 0);
+    if (!inside || sum == 0)
+        return INFINITY;
+    for (int x = 0, most = 0; x < 3; x++) {
+        most = fabs(d[x]) > fabs(d[most]) ? x : most;
+        if (x == 2)
+            t = (volume[0] * v[0][most] + volume[1] * v[1][most] + volume[2] * v[2][most]) / sum /
+                d[most];
+    }
+    return t > ray->tmin && t < ray->tmax ? t : INFINITY;
+}
+
+static bb_status trace(void *self, const bb_ray *rays, uint32_t count, bool any, bb_hit *hits)
+{
+    const brute *b = self;
+    (void)any; /* the closest is one of them */
+    if (is(b, "crashes"))
+        abort();
+    while (is(b, "hangs"))
+        pause();
+    if (is(b, "fails-late"))
+        return bb_fail(BB_FAILED, "brute: cannot trace");
+    if (is(b, "rays"))
+        ((bb_ray *)rays)[0].o[0] += 1;
+    if (is(b, "fewer"))
+        count -= 1;
+    for (uint32_t i = 0; i < count; i++) {
+        hits[i] = (bb_hit){INFINITY, BB_NONE};
+        for (uint32_t p = 0; p < b->c->scene->prim_count && !is(b, "blind"); p++) {
+            const double t = meet(b, &rays[i], p);
+            if (t < hits[i].t)
+                hits[i] = (bb_hit){(float)t, p};
+        }
+    }
+    return BB_OK;
+}
+
+static uint64_t bytes(void *self)
+{
+    return ((brute *)self)->bytes;
+}
+
+static bb_status describe(void *self, char *text, size_t capacity)
+{
+    (void)self;
+    strncpy(text, "brute 1.0", capacity);
+    return BB_OK;
+}
+
+static void destroy(void *self)
+{
+    brute *b = self;
+    free(b->copy);
+    free(b);
+}
+
+extern const bb_tracer bb_tracer_brute;
+const bb_tracer bb_tracer_brute = {
+    .abi_version = BB_TRACER_ABI_VERSION,
+    .name = "brute",
+    .summary = "brute force, for tests",
+    .paper = "none",
+    .kinds = BB_TRIANGLES,
+    .options = options,
+    .passing = "pace",
+    .exactness = "kind",
+    .create = create,
+    .build = build,
+    .pass = pass,
+    .trace = trace,
+    .bytes = bytes,
+    .describe = describe,
+    .destroy = destroy,
+};
