@@ -147,7 +147,7 @@ static void embree_is_on_the_cpu_wherever_it_is_shown(void **state)
     cJSON_Delete(results);
     expect(0, "report labels", " of Embree on the CPU");
     expect(0, "report labels", " trace ");
-    expect(0, "report labels", " for reference, Embree on the CPU with its own trees\n");
+    expect(0, "report labels", " at the end, tracers, which trace trees of their own");
     expect(0, "report labels", "/ref: Embree on the CPU, by its fastest row");
     expect(0, "report labels --table", " /Embree on the CPU ");
     expect(0, "report labels --table", " mis/fal/t ");

@@ -1,6 +1,7 @@
 /* The report as text: per scene its builds, then its traces by ray set; at the end what was
  * skipped, and where the time went. A speed never stands without the wrong-answer rate of the same
  * rays. */
+#include "framework/builder/tracers.h"
 #include "framework/judge/queries.h"
 #include "framework/report/report.h"
 #include "framework/table/figure.h"
@@ -359,7 +360,7 @@ static void begin_set(bb_page *page, const bb_entry *first, double count, const 
     bb_page_column(page, "", "", "", 0);
 }
 
-/* Ratios are to the fastest reference row on the same rays. */
+/* Ratios are to the fastest row of the reference on the same rays. */
 static void add_set(bb_page *page, const bb_section *traces, const bb_entry *first,
                     const char *embree)
 {
@@ -369,7 +370,7 @@ static void add_set(bb_page *page, const bb_section *traces, const bb_entry *fir
         if (!same_rays(trace, first))
             continue;
         count = fmax(count, bb_get_number(trace, BB_F_TRACE_COUNT));
-        if (bb_get_true(trace, BB_F_TRACE_REFERENCE))
+        if (bb_is_reference(bb_get_text(trace, BB_F_TRACE_BUILDER)))
             reference = fmax(reference, bb_get_number(trace, BB_F_TRACE_RATE));
     }
     begin_set(page, first, count, embree);

@@ -1,6 +1,6 @@
 /* The charts of the chosen set of cells. */
 const partly = c => c.count < c.rays ? ` (traced: the first ${whole(c.count)} of ${whole(c.rays)})` : '';
-const madeOf = c => c.reference ? `${embree} with its own tree` :
+const madeOf = c => c.reference ? `${c.t.kernel} with a tree of its own` :
   [c.t.kernel, c.t.layout && `on ${c.t.layout}`, c.t.intersector && `with ${c.t.intersector}`,
    c.t.native === true && '(native tree)'].filter(Boolean).join(' ');
 
@@ -119,7 +119,7 @@ function drawAccuracy(set, cells) {
   $('accuracy-note').textContent =
     spreadNote(points) + notes(set, drawn.concat(references), points);
   const show = markTable('accuracy-table', 'chart-accuracy', points, [
-    { name: 'Key', text: p => p.key }, { name: 'Kernel', text: p => p.cell.reference ? embree : p.cell.t.kernel },
+    { name: 'Key', text: p => p.key }, { name: 'Kernel', text: p => p.cell.t.kernel },
     { name: 'Intersector', text: p => p.cell.t.intersector || dash },
     Object.assign(num('Mrays/s', p => p.y), { first: true, down: true }), wrongColumn,
     num(`/${embree}`, p => p.cell.ratio, 'ratio to the fastest embree-native row on the same rays'), frontColumn,
@@ -144,7 +144,7 @@ function drawBuilders(set, cells) {
     num('First ray ms', p => p.cell.fixed_ms, 'boxes, build, transfer and layout'),
     Object.assign(num('Other ms', p => p.cell.fixed_ms - p.cell.t.record.build_ms_median), { title: 'boxes, transfer, layout' }),
     { name: 'Intersector', text: p => p.cell.t.intersector || dash },
-    { name: 'Kernel', text: p => p.cell.reference ? embree : p.cell.t.kernel }]);
+    { name: 'Kernel', text: p => p.cell.t.kernel }]);
   draw('chart-builders', 'Time for build, layout and rays against wrong rays per million', marks,
        { x: wrongAxis(range), y: axis('ms (log scale)', true, ms) }, p => p.cell ? cellLines(p.cell) : '', show);
 }

@@ -104,7 +104,7 @@ function drawLegend(set) {
   $('legend-builders').replaceChildren(...builders.map(c =>
     legendButton('builder', c.label, builderKey(c), builderColour(c), !hidden.builder.has(c.label))));
   $('shapes').textContent = 'Marks: ' + intersectors.map(c => `${shapeOf(c)[2]} ${c.t.intersector || dash}`)
-    .concat(set.cells.some(c => c.reference) ? [`\u2715 ${embree} with its own trees (reference)`] : []).join('   ') +
+    .concat(set.cells.some(c => c.reference) ? [`\u2715 tracers with trees of their own`] : []).join('   ') +
     '. Filled: wrong answers found; hollow: none.';
   const tree = $('pick-tree'), chosen = tree.value, names = builders.filter(c => !c.reference).map(c => c.label);
   tree.replaceChildren(el('option', { value: '' }, 'the fastest for each kernel'), el('option', { value: '*' }, 'of all builders'),

@@ -46,7 +46,7 @@ function barRow(summary, row, i) {
   const [million, billion] = [1, 4].map(k => row.image[k]), builds = rows.map(r => r.build.value), readies = rows.map(r => r.ready.value);
   const wrong = !(row.checked > 0) ? dash : row.wrong === 0 ? 'none' : `${whole(row.wrong)} of ${brief(row.checked)}`;
   const name = el('th', { scope: 'row' }, ...breakable(nameOf(row)), row.partial && !row.reference ? el('span', { class: 'note' },
-    ` no rank: ${row.sets} of ${plural(summary.sets, 'ray set')}`) : null, row.reference ? el('span', { class: 'note' }, '\u00a0ref.') : null,
+    ` no rank: ${row.sets} of ${plural(summary.sets, 'ray set')}`) : null, row.reference ? el('span', { class: 'note' }, '\u00a0tracer') : null,
     row.leaves_out ? el('span', { class: 'note' }, ` not ranked by build: works ${ratio(row.untimed)} times as long outside the clock`) : null);
   const least = k => Math.min(...rows.map(r => r.image[k].value).filter(isNumber));
   const time = (s, k) => isNumber(s.value) ? least(k) / s.value : 0;
