@@ -2,6 +2,8 @@
  * own row alone. Half a minute. */
 #include "tests/program_fixture.h"
 
+#include <unistd.h>
+
 #define BRUTE BB_TEST_PLUGIN_DIR "/brute.so"
 #define RUN                                                                                        \
     "run --quiet --scene cube --builder lbvh --kernel stack --rays primary,shadow "                \
@@ -111,6 +113,21 @@ static void what_it_breaks_costs_its_row(void **state)
     }
 }
 
+/* Where OpenCL has one thread, so has a tracer. */
+static void more_threads_than_given_are_seen(void **state)
+{
+    (void)state;
+    if (sysconf(_SC_NPROCESSORS_ONLN) < 2)
+        skip();
+    const outcome *o = run_with("POCL_MAX_PTHREAD_COUNT=1", RUN "--tracer " BRUTE ":kind=greedy");
+    assert_int_equal(o->exit_status, 1);
+    cJSON *json = read_results("out/results.json");
+    const cJSON *row = row_of(json, "traces", "brute:kind=greedy");
+    assert_string_equal(text_of(row, "status"), "failed");
+    assert_non_null(strstr(text_of(row, "reason"), "it has more"));
+    cJSON_Delete(json);
+}
+
 /* Answers that are not written are wrong ones. */
 static void fewer_answers_are_wrong(void **state)
 {
@@ -144,6 +161,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_tracer_is_a_row),
         cmocka_unit_test(what_it_breaks_costs_its_row),
+        cmocka_unit_test(more_threads_than_given_are_seen),
         cmocka_unit_test(fewer_answers_are_wrong),
         cmocka_unit_test(bad_input_is_refused),
     };

@@ -242,8 +242,7 @@ bb_status bb_builder_add(const bb_registration *registration)
     BB_TRY(bb_builder_validate(builder));
     if (bb_builder_find(builder->name) != NULL || bb_tracer_find(builder->name) != NULL)
         return bb_fail(BB_INVALID, "there is a %s %s already",
-                       bb_tracer_find(builder->name) != NULL ? "tracer" : "builder",
-                       builder->name);
+                       bb_tracer_find(builder->name) != NULL ? "tracer" : "builder", builder->name);
     BB_TRY(check_sole(builder));
     BB_TRY(check_files(builder->name, registration->files));
     if (loaded_count == LOADED_MAX)

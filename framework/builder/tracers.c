@@ -146,8 +146,9 @@ static bb_status check_variants(const bb_tracer *tracer)
         size_t count = 0;
         if (row->role == NULL || row->specs == NULL || strcmp(row->role, BB_ROLE_COMPARED) != 0 ||
             row->devices != BB_FOR_ALL)
-            return bb_fail(BB_INVALID, "tracer %s: its variants may have the role %s alone, for "
-                                       "all devices",
+            return bb_fail(BB_INVALID,
+                           "tracer %s: its variants may have the role %s alone, for "
+                           "all devices",
                            tracer->name, BB_ROLE_COMPARED);
         bb_status status = bb_spec_list(row->specs, items, 64, &count);
         for (size_t i = 0; i < count; i++) {

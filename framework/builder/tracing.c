@@ -117,6 +117,20 @@ void bb_tracing_destroy(bb_tracing *t)
     free(t);
 }
 
+/* Who has threads of its own beside those that call it takes more time of processors than these
+ * can. Clocks and the driver's threads are allowed a fifth. */
+static bb_status check_threads(const bb_tracing *t, const bb_timing *timing, const char *hook)
+{
+    const double most = 1.2 * t->context.threads * timing->ms + 5;
+    if (timing->cpu_ms <= most)
+        return BB_OK;
+    return bb_fail(
+        BB_FAILED,
+        "%s took %.0f ms of processors in %s(), which %u threads cannot take in %.0f ms: "
+        "it has more",
+        t->tracer->name, timing->cpu_ms, hook, t->context.threads, timing->ms);
+}
+
 bb_status bb_tracing_build(bb_tracing *t, bb_build_timing *timing, bb_phases *phases)
 {
     bb_stopwatch watch;
@@ -134,6 +148,7 @@ bb_status bb_tracing_build(bb_tracing *t, bb_build_timing *timing, bb_phases *ph
     }
     t->heap += heap_bytes() - heap;
     BB_TRY(bb_hook_end(&hook, status));
+    BB_TRY(check_threads(t, &timing->timing, "build"));
     timing->outside_ms = phases->outside_ms;
     timing->timing.ms -= phases->outside_ms;
     timing->timing.event_ms = -phases->outside_ms;
@@ -194,7 +209,8 @@ bb_status bb_tracing_trace(bb_tracing *t, bb_guarded whose, const bb_ray *rays, 
                           .event_ms = bb_pool_span_ms(t->pool)};
     if (job.status != BB_OK)
         job.status = bb_fail(job.status, "%s", job.message);
-    return bb_hook_end(&hook, job.status);
+    BB_TRY(bb_hook_end(&hook, job.status));
+    return check_threads(t, timing, "trace");
 }
 
 /* ---- what is said of it ---- */

@@ -227,7 +227,7 @@ static bb_status add_compared(output *list, const char *what, bb_status status, 
 {
     for (size_t i = 0; i < names->count && status == BB_OK; i++)
         add(list, names->items[i],
-            strcmp(what, "builder") == 0 && bb_tracer_of(names->items[i]) != NULL ? "tracer" : what,
+            strcmp(what, "builder") == 0 && bb_is_reference(names->items[i]) ? "reference" : what,
             NULL, NULL);
     bb_names_free(names);
     return status;

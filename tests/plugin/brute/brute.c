@@ -11,7 +11,8 @@
 
 static const bb_option options[] = {
     {"kind", "right",
-     "right|blind|crashes|crashes-early|hangs|fewer|rays|scene|threads|fails|fails-late|lacks|"
+     "right|blind|crashes|crashes-early|hangs|fewer|rays|scene|threads|greedy|fails|fails-late|"
+     "lacks|"
      "lacks-late",
      "what it does"},
     {"pace", "one", "one|two", "says how rays are passed, which changes nothing"},
@@ -37,6 +38,25 @@ static void *work(void *nothing)
         if (i % 1000000 == 0)
             pthread_testcancel();
     return NULL;
+}
+
+/* Works until the process has taken another 100 ms of processors. */
+static void *toil(void *nothing)
+{
+    const clock_t start = clock();
+    while (clock() - start < CLOCKS_PER_SEC / 10)
+        ;
+    return nothing;
+}
+
+static void be_greedy(void)
+{
+    pthread_t threads[3];
+    for (int i = 0; i < 3; i++)
+        if (pthread_create(&threads[i], NULL, toil, NULL) != 0)
+            abort();
+    for (int i = 0; i < 3; i++)
+        pthread_join(threads[i], NULL);
 }
 
 static bb_status create(const bb_tracer_context *c, void **self)
@@ -123,6 +143,8 @@ static bb_status trace(void *self, const bb_ray *rays, uint32_t count, bool any,
         abort();
     while (is(b, "hangs"))
         pause();
+    if (is(b, "greedy"))
+        be_greedy();
     if (is(b, "fails-late"))
         return bb_fail(BB_FAILED, "brute: cannot trace");
     if (is(b, "rays"))
