@@ -79,7 +79,7 @@ _bvhbench_value()
         return
     fi
     case $3 in
-    --scene | --builder | --kernel | --intersector) _bvhbench_specs "$1" "${3#--}s" "$4" ;;
+    --scene | --builder | --tracer | --kernel | --intersector) _bvhbench_specs "$1" "${3#--}s" "$4" ;;
     --rays | --metrics) _bvhbench_specs "$1" "${3#--}" "$4" ;;
     --axis) _bvhbench_names "$1" axes ;;
     --transfer) _bvhbench_names "$1" transfers ;;
