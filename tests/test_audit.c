@@ -339,8 +339,8 @@ static void a_tracer_is_timed_with_its_trace(void **state)
     if (audit.complaints > 0)
         fail_msg("%s", audit.texts[0]);
     double later = bb_wall_ms(); /* of nothing */
-    bb_audit_timing(&audit, "tracer",
-                    &(bb_timing){bb_wall_ms() - later, 0, timing.event_ms, 0, 0}, true);
+    bb_audit_timing(&audit, "tracer", &(bb_timing){bb_wall_ms() - later, 0, timing.event_ms, 0, 0},
+                    true);
     assert_int_equal(audit.complaints, 1);
     bb_tracing_destroy(embree);
     bb_scene_free(scene);

@@ -1,5 +1,5 @@
-/* Tracer plug-ins from outside: one enters the same rounds as builders, and what it breaks costs its
- * own row alone. Half a minute. */
+/* Tracer plug-ins from outside: one enters the same rounds as builders, and what it breaks costs
+ * its own row alone. Half a minute. */
 #include "tests/program_fixture.h"
 
 #include <unistd.h>

@@ -1,4 +1,5 @@
-/* Traces rays: a traverser and a layout give answers. All tracing, timed or not, goes through here. */
+/* Traces rays: a traverser and a layout give answers. All kernels trace through here, timed or not.
+ */
 #ifndef BB_PASS_H
 #define BB_PASS_H
 
@@ -26,7 +27,7 @@ bb_status bb_pass_launch(const bb_pass *pass, uint32_t count);
 bb_status bb_pass_sort(const bb_pass *pass, uint32_t count);
 bb_status bb_pass_trace(const bb_pass *pass, uint32_t count);
 
-/* Poisons, launches, and reads results and, if the traverser counts, counts. `counts` may be NULL. */
+/* Poisons, launches, reads results and, if the traverser counts, counts. `counts` may be NULL. */
 bb_status bb_pass_run(const bb_pass *pass, uint32_t count, void *results, bb_count *counts);
 
 #endif

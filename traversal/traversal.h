@@ -256,7 +256,7 @@ bb_status bb_traverser_get(bb_device *device, const bb_traverser_request *reques
 /* Reports the decisions for such a traverser: stack, levels of the trail, kinds. */
 bb_status bb_traverser_decide(const bb_device *device, const bb_traverser_request *request,
                               const bb_layout_data *layout, bb_decisions *decisions);
-/* Releases all traversers of the device: before it is closed, and when no traverser is used any more. */
+/* Releases all traversers of the device: before it is closed, and when none is used any more. */
 void bb_traversers_clear(bb_device *device);
 /* Returns the rays of a work-group: fewer than requested if the device only runs the compiled
  * kernel in smaller ones. */

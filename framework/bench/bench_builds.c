@@ -324,8 +324,8 @@ static bb_status finish_tracer(bb_entrant *entrant)
     if (entrant->tracing == NULL)
         return BB_OK;
     finish_phases(entrant);
-    bb_status status = bb_tracing_describe(entrant->tracing, entrant->record.about,
-                                           sizeof entrant->record.about);
+    bb_status status =
+        bb_tracing_describe(entrant->tracing, entrant->record.about, sizeof entrant->record.about);
     if (status == BB_OK)
         status = bb_tracing_pass(entrant->tracing, &entrant->spec);
     if (status != BB_OK)

@@ -138,7 +138,7 @@ static bb_status trace_rays(bb_trace_set *set, bb_traced_cell *c, bb_timing *tim
         bb_timing part;
         double sort_ms = 0;
         BB_TRY(outside ? trace_outside(set, c, from, count, &part)
-                         : trace_batch(set, &pass, count, &part, &sort_ms, &timed));
+                       : trace_batch(set, &pass, count, &part, &sort_ms, &timed));
         fit_batch(set, c, count, part.ms);
         c->record.launches++;
         add_timing(timing, &part);

@@ -101,6 +101,8 @@ static bb_status add_builder(const void *registration)
     if (of->builder == NULL)
         return bb_fail(BB_INVALID, "its bb_plugin has no builder: build it with "
                                    "bvhbench_add_builder()");
+    if (of->builder->name != NULL && bb_tracer_find(of->builder->name) != NULL)
+        return bb_fail(BB_INVALID, "there is a tracer %s already", of->builder->name);
     return bb_builder_add(of);
 }
 
@@ -110,6 +112,8 @@ static bb_status add_tracer(const void *registration)
     if (of->tracer == NULL)
         return bb_fail(BB_INVALID, "its bb_plugin has no tracer: build it with "
                                    "bvhbench_add_tracer()");
+    if (of->tracer->name != NULL && bb_builder_find(of->tracer->name) != NULL)
+        return bb_fail(BB_INVALID, "there is a builder %s already", of->tracer->name);
     return bb_tracer_add(of->tracer);
 }
 

@@ -3,7 +3,6 @@
 #include "framework/builder/registry.h"
 
 #include "framework/builder/declared.h"
-#include "framework/builder/tracers.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -240,9 +239,8 @@ bb_status bb_builder_add(const bb_registration *registration)
 {
     const bb_builder *builder = registration->builder;
     BB_TRY(bb_builder_validate(builder));
-    if (bb_builder_find(builder->name) != NULL || bb_tracer_find(builder->name) != NULL)
-        return bb_fail(BB_INVALID, "there is a %s %s already",
-                       bb_tracer_find(builder->name) != NULL ? "tracer" : "builder", builder->name);
+    if (bb_builder_find(builder->name) != NULL)
+        return bb_fail(BB_INVALID, "there is a builder %s already", builder->name);
     BB_TRY(check_sole(builder));
     BB_TRY(check_files(builder->name, registration->files));
     if (loaded_count == LOADED_MAX)

@@ -29,8 +29,9 @@ bb_status bb_builder_add(const bb_registration *registration);
 /* Checks a builder's struct: names, required hooks, options, the variants that it names. */
 bb_status bb_builder_validate(const bb_builder *builder);
 
-/* Loads a shared object and adds its builder or tracer. BB_INVALID if the file is no shared object, exports no bb_plugin, was made for another ABI version, or
- * bb_builder_add() or bb_tracer_add() refuses it. */
+/* Loads a shared object and adds its builder or tracer. BB_INVALID if the file is no shared object,
+ * exports no bb_plugin, was made for another ABI version, or bb_builder_add() or bb_tracer_add()
+ * refuses it. */
 bb_status bb_plugin_load(const char *path);
 
 /* Inputs as words: "boxes geometry". */

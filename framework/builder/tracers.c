@@ -1,7 +1,6 @@
 #include "framework/builder/tracers.h"
 
 #include "framework/builder/declared.h"
-#include "framework/builder/registry.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -202,9 +201,8 @@ static bb_status check(const bb_tracer *tracer)
 bb_status bb_tracer_add(const bb_tracer *tracer)
 {
     BB_TRY(check(tracer));
-    if (bb_builder_find(tracer->name) != NULL || bb_tracer_find(tracer->name) != NULL)
-        return bb_fail(BB_INVALID, "there is a %s %s already",
-                       bb_tracer_find(tracer->name) != NULL ? "tracer" : "builder", tracer->name);
+    if (bb_tracer_find(tracer->name) != NULL)
+        return bb_fail(BB_INVALID, "there is a tracer %s already", tracer->name);
     if (loaded_count == LOADED_MAX)
         return bb_fail(BB_INVALID, "more than %d plug-ins", LOADED_MAX);
     loaded[loaded_count++] = tracer;

@@ -1,5 +1,4 @@
-/* A tracer on a scene: its object, the clock of its builds and traces, and the threads that call it.
- */
+/* A tracer on a scene: its object, the clock of its builds and traces, the threads that call it. */
 #ifndef BB_TRACING_H
 #define BB_TRACING_H
 
@@ -27,8 +26,8 @@ bb_status bb_tracing_pass(bb_tracing *tracing, const bb_spec *spec);
 bb_status bb_tracing_trace(bb_tracing *tracing, bb_guarded whose, const bb_ray *rays,
                            uint32_t count, bool any, bb_hit *hits, bb_timing *timing);
 
-/* Returns the bytes that the tracer says it holds, or, if they are more, those that its create() and
- * build() have added to the heap. */
+/* Returns the bytes that the tracer says it holds, or, if they are more, those that its create()
+ * and build() have added to the heap. */
 uint64_t bb_tracing_bytes(const bb_tracing *tracing);
 
 /* Describes the last build; "" if the tracer does not. */

@@ -131,9 +131,9 @@ static bb_status load_tracer(const char *path, const bb_tracer **tracer)
     const uint32_t before = bb_tracer_count();
     BB_TRY(bb_plugin_load(path));
     *tracer = bb_tracer_at(before);
-    return *tracer != NULL ? BB_OK
-                           : bb_fail(BB_INVALID, "--tracer %s: is a builder: give it to --plugin",
-                                     path);
+    return *tracer != NULL
+               ? BB_OK
+               : bb_fail(BB_INVALID, "--tracer %s: is a builder: give it to --plugin", path);
 }
 
 bb_status bb_load_tracers(bb_names *tracers)

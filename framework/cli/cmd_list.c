@@ -248,10 +248,11 @@ static const struct {
     const char *name;
     bb_status (*fill)(output *list);
 } kinds[] = {
-    {"builders", list_builders},         {"tracers", list_tracers},   {"kernels", list_kernels},   {"layouts", list_layouts},
-    {"intersectors", list_intersectors}, {"scenes", list_scenes},     {"rays", list_rays},
-    {"metrics", list_metrics},           {"papers", list_papers},     {"axes", list_axes},
-    {"transfers", list_transfers},       {"compared", list_compared}, {"devices", list_devices},
+    {"builders", list_builders}, {"tracers", list_tracers},           {"kernels", list_kernels},
+    {"layouts", list_layouts},   {"intersectors", list_intersectors}, {"scenes", list_scenes},
+    {"rays", list_rays},         {"metrics", list_metrics},           {"papers", list_papers},
+    {"axes", list_axes},         {"transfers", list_transfers},       {"compared", list_compared},
+    {"devices", list_devices},
 };
 
 enum { KIND_COUNT = sizeof kinds / sizeof kinds[0] };

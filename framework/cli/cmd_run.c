@@ -44,7 +44,8 @@ static const bb_cli_option options[] = {
      "compare",
      BB_INTO(comparison, entrants.builders)},
     {"tracer", "T",
-     "tracer, beside the builders: FILE.so:key=value,..., or name:key=value,...; see `list tracers`",
+     "tracer, beside the builders: FILE.so:key=value,..., or name:key=value,...; see `list "
+     "tracers`",
      BB_INTO(comparison, tracers)},
     {"kernel", "K",
      "kernel, or `all`; default: those to compare, and those that keep a tree's shape",
@@ -323,7 +324,8 @@ const bb_command bb_command_run = {
     .name = "run",
     .summary = "compare builders: build, trace, judge every answer, report",
     .details =
-        "Tracers build trees of their own and trace them by code of their own. Embree's is in each\n"
+        "Tracers build trees of their own and trace them by code of their own. Embree's is in "
+        "each\n"
         "run, as the reference: embree-native, ray by ray, by packets and by streams, unless "
         "rows of it\n"
         "are given.\n"

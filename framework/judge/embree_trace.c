@@ -252,7 +252,8 @@ bb_status bb_embree_trace(bb_embree *embree, const bb_ray *rays, uint32_t count,
                           bb_hit *hits)
 {
     trace_job job = {.embree = embree, .rays = rays, .hits = hits};
-#if defined(__SSE__) /* flush to zero, as Embree asks; here alone, so that no other arithmetic changes */
+#if defined(                                                                                       \
+    __SSE__) /* flush to zero, as Embree asks; here alone, so that no other arithmetic changes */
     unsigned int saved = _mm_getcsr();
     _mm_setcsr(saved | 0x8040u); /* FTZ and DAZ */
 #endif

@@ -186,8 +186,7 @@ static bb_status read_part(const char *key, const char *at, const char *end, bb_
                           "measured with each cell that traces it");
 }
 
-/* Whether the text names a builder, or several stages. Neither does a tracer's, be it loaded here or
- * not. */
+/* Whether the text names a builder, or several stages. A tracer's does not, be it loaded or not. */
 static bool is_builder(const char *text)
 {
     char name[64];

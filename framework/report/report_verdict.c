@@ -154,7 +154,8 @@ static void add_legend(bb_page *page, const bb_summary *s)
                  partial > 0 ? "; n/m: without a rank, for what they lack of the scenes or rays"
                              : "");
     if (s->row_count > s->builder_count)
-        bb_page_note(page, "at the end, tracers, which trace trees of their own by code of their own");
+        bb_page_note(page,
+                     "at the end, tracers, which trace trees of their own by code of their own");
     if (s->sets_aside > 0)
         bb_page_note(page, "aside, traced by too few builders to compare them: %u ray sets",
                      s->sets_aside);

@@ -2,8 +2,8 @@
 
 #include "framework/base/memory.h"
 #include "framework/base/random.h"
-#include "framework/device/device_private.h"
 #include "framework/builder/tracing.h"
+#include "framework/device/device_private.h"
 #include "framework/judge/queries.h"
 #include "framework/scene/tets_faces.h"
 #include "framework/tasks/mesh_row.h"

@@ -1,8 +1,8 @@
 /* Renders volumes by marching along rays (kernels/march.clh), with a tree of the visible bricks or
  * without a tree.
  *
- * With a tree the march is an ordinary query: bb_march_traverser_request() and bb_march_pass() fill in
- * the parts that traversal/ needs for it.
+ * With a tree the march is an ordinary query: bb_march_traverser_request() and bb_march_pass() fill
+ * in the parts that traversal/ needs for it.
  */
 #ifndef BB_MARCH_H
 #define BB_MARCH_H

@@ -41,11 +41,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     char *text = fuzz_text(data, size);
     bb_intersector intersector;
     bb_spec spec;
+    const bb_tracer *tracer;
     check_pipeline(text);
     check_status(bb_bench_parse_kernel(text, &kernel));
     check_status(bb_intersector_parse(text, &intersector));
     check_status(bb_workload_check(text, 1000));
-    check_status(bb_bench_parse_reference(text, &spec));
+    check_status(bb_tracer_parse(text, &tracer, &spec));
     free(text);
     return 0;
 }

@@ -1,5 +1,4 @@
-/* Embree with its own trees: the tracer that all others are compared with (framework/judge/embree.h).
- */
+/* Embree with its own trees, with which all others are compared (framework/judge/embree.h). */
 #include "framework/builder/tracer.h"
 #include "framework/judge/embree.h"
 
