@@ -67,7 +67,7 @@ static void plugins_come_from_the_environment_too(void **state)
     refuses("BVHBENCH_PLUGINS=/no/such.so", "list builders",
             "BVHBENCH_PLUGINS: plug-in /no/such.so");
     refuses("BVHBENCH_PLUGINS=" BB_TEST_PLUGIN_DIR "/foreign.so", "list builders",
-            "its bb_plugin is no builder of this bvhbench");
+            "its bb_plugin is no builder or tracer of this bvhbench");
 }
 
 /* Device files of a plug-in can be overridden like any other, by their names. */

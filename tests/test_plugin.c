@@ -35,7 +35,7 @@ static void test_refusals(void **state)
     expect_refusal(BB_TEST_PLUGIN_DIR, "is no file");
     expect_refusal(BB_TEST_SOURCE_DIR "/CMakeLists.txt", "not a shared object");
     expect_refusal(path_of("none.so"), "is not a bvhbench builder");
-    expect_refusal(path_of("foreign.so"), "its bb_plugin is no builder of this bvhbench");
+    expect_refusal(path_of("foreign.so"), "its bb_plugin is no builder or tracer of this bvhbench");
     char words[64];
     snprintf(words, sizeof words, "ABI version 999, this bvhbench has %d", BB_ABI_VERSION);
     expect_refusal(path_of("abi.so"), words);

@@ -42,7 +42,7 @@ static void a_tracer_is_a_row(void **state)
     assert_string_equal(text_of(build, "about"), "brute 1.0");
     assert_int_equal(cJSON_GetArraySize(cJSON_GetObjectItem(build, "build_ms")), 3);
     assert_true(cJSON_GetObjectItem(build, "bytes_native")->valuedouble >= 8 * 12);
-    assert_non_null(cJSON_GetObjectItem(build, "phases"));
+    assert_non_null(cJSON_GetObjectItem(build, "phase_ms"));
     /* the same tree, with the same times */
     assert_true(cJSON_Compare(cJSON_GetObjectItem(build, "build_ms"),
                               cJSON_GetObjectItem(row_of(json, "builds", "brute"), "build_ms"),

@@ -148,8 +148,7 @@ static bb_status record_builds(bb_bench *bench)
         bool measured = entrant->record.build_ms.count > 0 || entrant->record.unmeasured;
         if (entrant->record.status == BB_OK && !measured)
             continue; /* the run was interrupted before its turn */
-        if (strcmp(bb_status_word(entrant->record.status), "failed") == 0 &&
-            entrant->tracer == NULL)
+        if (strcmp(bb_status_word(entrant->record.status), "failed") == 0)
             bench->outcome->wrong++;
         for (uint32_t b = 0; b < bench->request->builder_count; b++)
             if (entrant->text == bench->request->builders[b] && is_excused(entrant, others))

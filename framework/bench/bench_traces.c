@@ -192,8 +192,9 @@ static bb_status record_cell(bb_trace_set *set, bb_traced_cell *c)
     }
     r->wrong = r->has_accuracy && r->accuracy.wrong_ppm > bench->request->max_wrong_ppm;
     bool failed = strcmp(bb_status_word(r->status), "failed") == 0;
-    if (r->counts_for_exit && c->entrant->record.status == BB_OK &&
-        (r->wrong || failed || r->unlike > 0))
+    const bool bad = r->counts_for_exit ? r->wrong || failed || r->unlike > 0
+                                        : c->entrant->tracer != NULL && failed;
+    if (bad && c->entrant->record.status == BB_OK)
         bench->outcome->wrong++;
     bench->judged += r->has_accuracy;
     return bb_results_add_trace(bench->results, r);

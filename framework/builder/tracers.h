@@ -32,8 +32,8 @@ bool bb_tracer_same_tree(const bb_tracer *a, const bb_spec *a_spec, const bb_tra
 /* The name and its variants that run where no tracer is named, as a list. */
 const char *bb_tracer_compared(const bb_tracer *tracer);
 
-/* Adds a tracer for the life of the process. BB_INVALID if its struct is invalid, or another has its
- * name. */
+/* Adds a tracer for the life of the process. BB_INVALID if its struct is invalid, or another has
+ * its name. */
 bb_status bb_tracer_add(const bb_tracer *tracer);
 
 #endif
