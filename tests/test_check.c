@@ -120,7 +120,8 @@ static void time_ends_it(void **state)
         o = run(command);
         if (o->exit_status == 2)
             continue;
-        const char *sum = strstr(o->out, "scenes: 2; "), *over = strstr(o->err, "--time was over: ");
+        const char *sum = strstr(o->out, "scenes: 2; "),
+                   *over = strstr(o->err, "--time was over: ");
         assert_int_equal(o->exit_status, 0);
         assert_non_null(sum);
         assert_int_equal(sscanf(sum, "scenes: 2; %u", &checked), 1);

@@ -76,8 +76,10 @@ static bb_status reproduce(void *user, bb_device *device, bb_results *results,
         return status;
     return is_measured(results)
                ? bb_results_set_interrupted(results)
-               : bb_fail(BB_REFUSED, "reproduce %s: --time was over before anything was measured: "
-                                     "give more time", w->request.paper->name);
+               : bb_fail(BB_REFUSED,
+                         "reproduce %s: --time was over before anything was measured: "
+                         "give more time",
+                         w->request.paper->name);
 }
 
 /* ---- one paper ---- */
@@ -269,8 +271,10 @@ static bb_status run_all(const bb_cli *cli, wanted *w, int *exit_status)
         status = write_pages(w, page);
     bb_page_free(page);
     if (status == BB_OK && w->is_over && w->done == 0)
-        return bb_fail(BB_REFUSED, "reproduce all: --time was over before %s was done: give more "
-                                   "time", w->request.paper->name);
+        return bb_fail(BB_REFUSED,
+                       "reproduce all: --time was over before %s was done: give more "
+                       "time",
+                       w->request.paper->name);
     return status;
 }
 
