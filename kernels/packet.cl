@@ -12,9 +12,10 @@
  * Wald, Slusallek, Benthin, Wagner 2001, "Interactive Rendering with Coherent Ray Tracing"; Boulos
  * et al. 2006, "Geometric and Arithmetic Culling Methods for Entire Ray Packets"; Benthin et al.
  * 2012, "Combining Single and Packet-Ray Tracing for Arbitrary Ray Distributions on the Intel MIC
- * Architecture" (few rays on their own). Pro: coherent rays share loads, branches and the stack,
- * and a box of the bundle stands for many. Con: rays that part company waste lanes, and the order
- * of visit is the packet's, not each ray's. For CPUs.
+ * Architecture" (few rays on their own); Haines and Greenberg 1986, "The Light Buffer" (any hit:
+ * the leaf that stopped a ray is tested first with the next packet). Pro: coherent rays share
+ * loads, branches and the stack, and a box of the bundle stands for many. Con: rays that part
+ * company waste lanes, and the order of visit is the packet's, not each ray's. For CPUs.
  *
  *   BB_WIDTH        2, 4 or 8: places for children in a node
  *   BB_FEW          so many rays are traced on their own
@@ -31,6 +32,11 @@
 
 #ifndef BB_FEW
 #define BB_FEW 4
+#endif
+#ifdef BB_QUERY_ANY
+#define BB_ANY_HIT 1
+#else
+#define BB_ANY_HIT 0
 #endif
 #if BB_WIDTH == 2
 #define BB_TRACE_NODE float /* bb_pair[] */
@@ -103,14 +109,22 @@ bool packet_node(bb_packet *p, bb_ray_floats entered, global const float *planes
 }
 
 /* Traces a packet. Where its stack is too short, which has to hold what any of the rays meets, each
- * goes on alone. Returns the rays whose own stack was too short, as bits. */
+ * goes on alone. Returns the rays whose own stack was too short, as bits. Any hit: *blocker is the
+ * leaf that stopped a ray last, and is tested first; BB_NONE: there is none, or it stopped none of
+ * the last packet. */
 static uint trace_packet(bb_packet *p, global const BB_TRACE_NODE *nodes,
-                         global const float *leaf_prims, uint root, const bb_prim_ends *ends)
+                         global const float *leaf_prims, uint root, const bb_prim_ends *ends,
+                         uint *blocker)
 {
     bb_packet_waiting stack[BB_STACK_SIZE + 1]; /* the node that is next is on it, too */
     uint top = 1, failed = 0;
     stack[0].entry = p->tmin <= p->tmax ? p->tmin : (bb_ray_floats)(INFINITY);
     stack[0].link = root;
+    if (BB_ANY_HIT && *blocker != BB_NONE && *blocker != root) {
+        stack[1].entry = stack[0].entry;
+        stack[1].link = *blocker;
+        top = 2;
+    }
     while (top > 0u) {
         top--;
         bb_ray_floats entered = stack[top].entry;
@@ -118,9 +132,13 @@ static uint trace_packet(bb_packet *p, global const BB_TRACE_NODE *nodes,
         if (active == 0u)
             continue;
         bool alone = popcount(active) <= BB_FEW;
-        if (!alone && (link & BB_LEAF_BIT) != 0)
+        if (!alone && (link & BB_LEAF_BIT) != 0) {
             bb_packet_leaf(p, entered, leaf_prims, link, ends);
-        else if (!alone)
+            if (BB_RAY_BITS(entered <= p->tmax) != active)
+                *blocker = link;
+            else if (*blocker == link)
+                *blocker = BB_NONE;
+        } else if (!alone)
             alone = !packet_node(p, entered, BB_PLANES_AT(nodes, link), BB_CHILDREN_AT(nodes, link),
                                  BB_LINKS_AT(nodes, link), stack, &top);
         if (alone)
@@ -136,6 +154,7 @@ trace_batch(uint first, uint count, global const BB_TRACE_NODE *nodes,
             global const bb_ray *rays BB_RAY_ORDER_ARGUMENT,
             global bb_result *results BB_COUNTS_ARGUMENT BB_QUERY_ARGUMENTS)
 {
+    uint blocker = BB_NONE;
     for (uint at = 0; at < count; at += BB_PACKET) {
         uint ids[BB_PACKET], taken = min(count - at, (uint)BB_PACKET);
         for (uint i = 0; i < BB_PACKET; i++)
@@ -145,7 +164,7 @@ trace_batch(uint first, uint count, global const BB_TRACE_NODE *nodes,
         for (uint rest = left_out; rest != 0u; rest &= rest - 1u)
             trace_and_write(ids[31u - clz(rest & -rest)], nodes, leaf_prims, root, ends, scale,
                             rays, results BB_COUNTS BB_QUERY_VALUES);
-        uint failed = trace_packet(&packet, nodes, leaf_prims, root, ends);
+        uint failed = trace_packet(&packet, nodes, leaf_prims, root, ends, &blocker);
 #if !BB_HITS_ONLY
         for (uint i = 0; i < taken; i++)
             while ((failed >> i & 1u) == 0u && BB_QUERY_AGAIN(&packet.lone[i].search))

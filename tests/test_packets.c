@@ -164,6 +164,43 @@ static void every_ray_of_a_packet_is_counted(void **state)
     close_bed(&b);
 }
 
+/* Any hit: the leaf that stopped a packet is tested first with the next one, and stops equal rays
+ * without a test of a box, until a packet comes that it does not stop. */
+static void what_stopped_a_packet_stops_the_next(void **state)
+{
+    (void)state;
+    enum { COUNT = 6 * 16 };
+    static const bool away[] = {false, false, true, false, false, false};
+    bb_ray rays[COUNT];
+    bb_hit hits[COUNT];
+    bb_count counts[COUNT], nearest[COUNT];
+    bed b;
+    open_bed(&b, load("sphere-mesh:n=20"), "lbvh", "stack", 1);
+    bb_random random = bb_random_make(seed, 6);
+    bb_ray first = {.o = {0, 0, 9}, .tmax = INFINITY};
+    aim(&random, b.scene, &first);
+    for (uint32_t i = 0; i < COUNT; i++) {
+        rays[i] = first;
+        for (int k = 0; k < 3 && away[i / 16]; k++)
+            rays[i].d[k] = -first.d[k];
+    }
+    choose_kernel(&b, "packet8:rays=16,few=0,group=96", 8);
+    trace(&b, "exact", rays, COUNT, &bb_query_any, hits, counts);
+    for (uint32_t i = 0; i < COUNT; i++)
+        assert_int_equal(hits[i].prim == BB_NONE, away[i / 16]);
+    assert_true(counts[0].nodes > 0);
+    assert_int_equal(counts[16].nodes, 0); /* stopped by the leaf that stopped the first */
+    assert_true(counts[16].prims > 0 && counts[16].prims <= 8);
+    assert_true(counts[32].prims > 0);                   /* tested with it, in vain */
+    assert_int_equal(counts[48].nodes, counts[0].nodes); /* begins anew */
+    assert_int_equal(counts[48].prims, counts[0].prims);
+    assert_int_equal(counts[64].nodes, 0);
+    assert_int_equal(counts[80].nodes, 0);
+    trace(&b, "exact", rays, COUNT, &bb_query_closest, hits, nearest);
+    assert_int_equal(nearest[16].nodes, nearest[0].nodes); /* the closest hit may be another's */
+    close_bed(&b);
+}
+
 /* An interval query cuts nothing, so each ray is tested with the primitives of all leaves whose
  * boxes it meets, alone or in a packet. */
 static void packets_test_no_other_primitives(void **state)
@@ -230,6 +267,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(packets_answer_as_brute_force),
         cmocka_unit_test(every_ray_of_a_packet_is_counted),
+        cmocka_unit_test(what_stopped_a_packet_stops_the_next),
         cmocka_unit_test(packets_test_no_other_primitives),
         cmocka_unit_test(short_stacks_spoil_no_others),
     };

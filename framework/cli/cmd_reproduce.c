@@ -54,12 +54,6 @@ static const bb_cli_option options[] = {
     {.name = NULL},
 };
 
-static bool is_measured(const bb_results *results)
-{
-    return bb_section_count(bb_results_section(results, BB_BUILDS)) > 0 ||
-           bb_section_count(bb_results_section(results, BB_PAPERS)) > 0;
-}
-
 static bb_status reproduce(void *user, bb_device *device, bb_results *results,
                            bb_bench_outcome *outcome)
 {
@@ -74,7 +68,7 @@ static bb_status reproduce(void *user, bb_device *device, bb_results *results,
     bb_interrupt_at(0); /* what is left to do takes no time to speak of */
     if (!w->is_over)
         return status;
-    return is_measured(results)
+    return outcome->audit.timings > 0
                ? bb_results_set_interrupted(results)
                : bb_fail(BB_REFUSED,
                          "reproduce %s: --time was over before anything was measured: "
