@@ -108,7 +108,7 @@ static bb_results *three_builders(void)
             add_trace(d, &t);
         }
         traced t = {.scene = scenes[s],
-                    .builder = "other:mode=fast",
+                    .builder = "embree-native:mode=fast",
                     .rays = "random",
                     .kernel = "own",
                     .intersector = "own",
@@ -488,7 +488,7 @@ static void the_fastest_reference_is_named(void **state)
     bb_results *d = three_builders();
     for (int s = 0; s < 2; s++) {
         const traced t = {.scene = s == 0 ? "a" : "b",
-                          .builder = "other:query=packets",
+                          .builder = "embree-native:query=packets",
                           .rays = "random",
                           .kernel = "own",
                           .intersector = "own",
@@ -501,14 +501,14 @@ static void the_fastest_reference_is_named(void **state)
     bb_summary s;
     assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
     assert_near(row_of(&s, "slow")->trace.value, sqrt(0.5 * 2.0));
-    assert_int_equal(row_of(&s, "other:query=packets")->yardstick, 1);
-    assert_int_equal(row_of(&s, "other:mode=fast")->yardstick, 1);
+    assert_int_equal(row_of(&s, "embree-native:query=packets")->yardstick, 1);
+    assert_int_equal(row_of(&s, "embree-native:mode=fast")->yardstick, 1);
     expect_words(&s, "Reference", "on 1 of 2 ray sets, ");
     expect_words(&s, "Reference", "packets");
     bb_summary_free(&s);
     assert_int_equal(bb_summary_make(results, &(bb_summary_choice){"a", NULL}, &s), BB_OK);
-    assert_int_equal(row_of(&s, "other:query=packets")->yardstick, 1);
-    assert_int_equal(row_of(&s, "other:mode=fast")->yardstick, 0);
+    assert_int_equal(row_of(&s, "embree-native:query=packets")->yardstick, 1);
+    assert_int_equal(row_of(&s, "embree-native:mode=fast")->yardstick, 0);
     bb_summary_free(&s);
     bb_results_destroy(results);
 }

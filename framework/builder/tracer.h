@@ -75,8 +75,9 @@ struct bb_tracer {
      * at once, with rays that lie next to each other in the ray set. Required. */
     bb_status (*trace)(void *self, const bb_ray *rays, uint32_t count, bool any, bb_hit *hits);
 
-    /* Returns the bytes that it holds for this scene, beside the scene's own arrays. The harness
-     * takes what create() and build() add to the heap if that is more. Optional. */
+    /* Returns the bytes that it holds for this scene, beside the scene's own arrays. Without it, or
+     * if that is clearly more, the harness takes what create() and build() add to the heap.
+     * Optional. */
     uint64_t (*bytes)(void *self);
 
     /* Writes what was measured, such as "Embree 4.3.3", into one line. Not timed. Optional. */

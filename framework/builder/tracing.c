@@ -11,7 +11,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { CHUNK = 2048 }; /* rays of a call: a multiple of packets and streams */
+enum {
+    CHUNK = 2048,            /* rays of a call: a multiple of packets and streams */
+    UNSAID_LEAST = 32 << 20, /* bytes of the heap beside those that it says it holds */
+};
 
 struct bb_tracing {
     const bb_tracer *tracer;
@@ -219,7 +222,7 @@ uint64_t bb_tracing_bytes(const bb_tracing *t)
 {
     const uint64_t said = t->tracer->bytes != NULL ? t->tracer->bytes(t->self) : 0;
     const uint64_t heap = t->heap > 0 ? (uint64_t)t->heap : 0;
-    return said > heap ? said : heap;
+    return t->tracer->bytes == NULL || heap > said + UNSAID_LEAST ? heap : said;
 }
 
 bb_status bb_tracing_describe(bb_tracing *t, char *text, size_t capacity)

@@ -26,8 +26,8 @@ bb_status bb_tracing_pass(bb_tracing *tracing, const bb_spec *spec);
 bb_status bb_tracing_trace(bb_tracing *tracing, bb_guarded whose, const bb_ray *rays,
                            uint32_t count, bool any, bb_hit *hits, bb_timing *timing);
 
-/* Returns the bytes that the tracer says it holds, or, if they are more, those that its create()
- * and build() have added to the heap. */
+/* Returns the bytes that the tracer says it holds; those that its create() and build() have added
+ * to the heap if it does not say, or if they are more by 32 MiB. */
 uint64_t bb_tracing_bytes(const bb_tracing *tracing);
 
 /* Describes the last build; "" if the tracer does not. */

@@ -248,13 +248,14 @@ static bb_status start(bb_embree *embree, const bb_scene *scene, const bb_spec *
 
 bb_status bb_embree_build(bb_embree *embree)
 {
-    /* Embree does not rebuild geometries that are not marked as changed */
     for (uint32_t id = 0; id < embree->geometries; id++) {
         RTCGeometry geometry = rtcGetGeometry(embree->scene, id);
-        rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+        if (embree->built) /* Embree does not rebuild geometries that are not marked as changed */
+            rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
         rtcCommitGeometry(geometry);
     }
     rtcCommitScene(embree->scene);
+    embree->built = true;
     return check(embree, "build");
 }
 

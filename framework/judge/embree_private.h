@@ -31,6 +31,7 @@ struct bb_embree {
     bool coherent;                      /* rays of a call are said to be near each other */
     uint32_t first_prim[BB_KIND_COUNT]; /* per geometry, in the scene's numbering */
     uint32_t geometries;
+    bool built; /* once before */
     user_kind users[BB_KIND_COUNT];
     atomic_llong bytes;
     _Atomic int error; /* first error that Embree reported since the last check */
