@@ -114,6 +114,14 @@ ${sources}")
     target_sources(${target} PRIVATE ${described})
 endfunction()
 
+# NAME.so of these sources.
+function(bvhbench_add_plugin name)
+    add_library(${name} MODULE ${ARGN})
+    set_target_properties(${name} PROPERTIES PREFIX "" ${BVHBENCH_LANGUAGE_PROPERTIES})
+    target_link_libraries(${name} PRIVATE bvhbench::bvhbench)
+    target_compile_definitions(${name} PRIVATE ${BVHBENCH_COMPILE_DEFINITIONS})
+endfunction()
+
 function(bvhbench_add_builder name)
     cmake_parse_arguments(PARSE_ARGV 1 arg "" "SOURCE_DIR;INTO" "")
     if(NOT arg_SOURCE_DIR)
@@ -136,12 +144,9 @@ extern const bb_builder bb_builder_${symbol};
 extern const bb_source bb_files_${symbol}[];
 BB_PLUGIN(bb_builder_${symbol}, bb_files_${symbol});
 ")
-        add_library(${name} MODULE ${sources} ${exported})
+        bvhbench_add_plugin(${name} ${sources} ${exported})
         bvhbench_embed_folder(${name} ${symbol} ${arg_SOURCE_DIR})
-        set_target_properties(${name} PROPERTIES PREFIX "" ${BVHBENCH_LANGUAGE_PROPERTIES})
-        target_link_libraries(${name} PRIVATE bvhbench::bvhbench)
         target_compile_options(${name} PRIVATE ${BVHBENCH_COMPILE_OPTIONS})
-        target_compile_definitions(${name} PRIVATE ${BVHBENCH_COMPILE_DEFINITIONS})
     endif()
 endfunction()
 
@@ -165,10 +170,8 @@ function(bvhbench_add_tracer name)
 extern const bb_tracer bb_tracer_${symbol};
 BB_TRACER_PLUGIN(bb_tracer_${symbol});
 ")
-        add_library(${name} MODULE ${sources} ${exported})
-        set_target_properties(${name} PROPERTIES PREFIX "" ${BVHBENCH_LANGUAGE_PROPERTIES} CXX_STANDARD 20)
-        target_link_libraries(${name} PRIVATE bvhbench::bvhbench)
-        target_compile_definitions(${name} PRIVATE ${BVHBENCH_COMPILE_DEFINITIONS})
+        bvhbench_add_plugin(${name} ${sources} ${exported})
+        set_target_properties(${name} PROPERTIES CXX_STANDARD 20)
     endif()
 endfunction()
 

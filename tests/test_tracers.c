@@ -29,8 +29,7 @@ static const char *text_of(const cJSON *row, const char *name)
 static void a_tracer_is_a_row(void **state)
 {
     (void)state;
-    const outcome *o =
-        run(RUN "--tracer " BRUTE ":pace=two --tracer " BRUTE " --tracer " BRUTE ":kind=blind");
+    const outcome *o = run(RUN "--tracer " BRUTE " --tracer " BRUTE ":kind=blind");
     if (o->exit_status != 0)
         fail_msg("exit %d: %s%s", o->exit_status, o->out, o->err);
     assert_non_null(strstr(o->out, "brute"));

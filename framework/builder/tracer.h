@@ -52,8 +52,8 @@ struct bb_tracer {
      * place of an intersector. Optional. */
     const char *exactness;
     const char *code; /* results show this in the place of a kernel. NULL: the name */
-    /* Its variants that run where no tracer is named (base/variants.h): the role `compared`. NULL:
-     * the plain name. */
+    /* Its variants that run where its parameters are not given (base/variants.h): the role
+     * `compared`. NULL: the plain name. */
     const bb_variants *variants;
 
     /* Makes whatever comes before the first build of this scene; not timed. If it fails after it

@@ -29,7 +29,7 @@ bb_status bb_tracer_parse(const char *text, const bb_tracer **tracer, bb_spec *s
 bool bb_tracer_same_tree(const bb_tracer *a, const bb_spec *a_spec, const bb_tracer *b,
                          const bb_spec *b_spec);
 
-/* The name and its variants that run where no tracer is named, as a list. */
+/* Its variants that run where its parameters are not given, as a list. */
 const char *bb_tracer_compared(const bb_tracer *tracer);
 
 /* Adds a tracer for the life of the process. BB_INVALID if its struct is invalid, or another has

@@ -136,33 +136,41 @@ static bb_status load_tracer(const char *path, const bb_tracer **tracer)
                : bb_fail(BB_INVALID, "--tracer %s: is a builder: give it to --plugin", path);
 }
 
+/* The tracer of the file that items[i] names, which is loaded unless an item before it names it. */
+static bb_status tracer_of_file(const bb_names *items, size_t i, const bb_tracer **loaded)
+{
+    char path[4096];
+    const size_t length = file_of(items->items[i]);
+    for (size_t k = 0; k < i; k++)
+        if (file_of(items->items[k]) == length &&
+            memcmp(items->items[k], items->items[i], length) == 0) {
+            loaded[i] = loaded[k];
+            return BB_OK;
+        }
+    snprintf(path, sizeof path, "%.*s", (int)length, items->items[i]);
+    return load_tracer(path, &loaded[i]);
+}
+
 bb_status bb_load_tracers(bb_names *tracers)
 {
     const bb_tracer *loaded[BB_NAMES_MAX] = {NULL};
-    char *files[BB_NAMES_MAX] = {NULL};
+    bb_names all = {.count = 0};
     bb_status status = BB_OK;
     for (size_t i = 0; i < tracers->count && status == BB_OK; i++) {
-        char *item = tracers->items[i], named[1024];
-        const size_t length = file_of(item);
-        if (length == 0)
-            continue;
-        files[i] = strndup(item, length);
-        for (size_t k = 0; k < i && files[i] != NULL && loaded[i] == NULL; k++)
-            if (files[k] != NULL && strcmp(files[k], files[i]) == 0)
-                loaded[i] = loaded[k];
-        if (files[i] != NULL && loaded[i] == NULL)
-            status = load_tracer(files[i], &loaded[i]);
+        const char *item = tracers->items[i], *rest = item + file_of(item);
+        char named[1024] = "";
+        if (rest > item)
+            status = tracer_of_file(tracers, i, loaded);
         if (status != BB_OK)
             break;
-        snprintf(named, sizeof named, "%s%s", loaded[i] != NULL ? loaded[i]->name : "",
-                 item + length);
-        tracers->items[i] = strdup(named);
-        free(item);
-        if (files[i] == NULL || tracers->items[i] == NULL)
-            status = bb_fail(BB_FAILED, "out of memory");
+        if (rest > item)
+            snprintf(named, sizeof named, "%s", loaded[i]->name);
+        strncat(named, rest, sizeof named - strlen(named) - 1);
+        status = rest > item && *rest == '\0' ? bb_names_add(&all, bb_tracer_compared(loaded[i]))
+                                              : bb_names_add_item(&all, named);
     }
-    for (size_t i = 0; i < tracers->count; i++)
-        free(files[i]);
+    bb_names_free(tracers);
+    *tracers = all;
     return status;
 }
 

@@ -29,7 +29,8 @@ bb_status bb_open_device(const bb_device_choice *choice, bb_device **device);
 /* Loads the plug-ins of BVHBENCH_PLUGINS in the environment, then all of --plugin. */
 bb_status bb_load_plugins(const bb_names *plugins);
 
-/* Loads the files that --tracer names, each once, and replaces FILE.so by the tracer's name. */
+/* Loads the files that --tracer names, each once. FILE.so:key=value becomes the tracer's name with
+ * these parameters, FILE.so alone the variants that the tracer declares for comparisons. */
 bb_status bb_load_tracers(bb_names *tracers);
 
 /* Adds the library's code, the plug-ins', device code of a folder, and the options that choose a

@@ -21,9 +21,9 @@ typedef struct wanted {
     bb_names scenes;
     const char *folder, *history, *time;
     uint32_t charts;
-    double ends_ms; /* bb_wall_ms() when the time is over; 0: never */
-    bool is_over;
-    uint32_t done; /* papers: measured, not kept */
+    double ends_ms;        /* bb_wall_ms() when the time is over; 0: never */
+    bool is_over, nothing; /* the time is over; and nothing of the last paper was measured */
+    uint32_t done;         /* papers: measured, not kept */
 } wanted;
 
 static const bb_cli_option options[] = {
@@ -68,12 +68,12 @@ static bb_status reproduce(void *user, bb_device *device, bb_results *results,
     bb_interrupt_at(0); /* what is left to do takes no time to speak of */
     if (!w->is_over)
         return status;
-    return outcome->audit.timings > 0
-               ? bb_results_set_interrupted(results)
-               : bb_fail(BB_REFUSED,
-                         "reproduce %s: --time was over before anything was measured: "
-                         "give more time",
-                         w->request.paper->name);
+    w->nothing = outcome->audit.timings == 0;
+    return !w->nothing ? bb_results_set_interrupted(results)
+                       : bb_fail(BB_REFUSED,
+                                 "reproduce %s: --time was over before anything was measured: "
+                                 "give more time",
+                                 w->request.paper->name);
 }
 
 /* ---- one paper ---- */
@@ -172,9 +172,11 @@ static bb_status measure_paper(const bb_cli *cli, wanted *w, const char *folder,
     BB_TRY(bb_join_path(path, folder, MARK));
     (void)unlink(path);
     const bb_status status = run_paper(cli, w, folder, &ended);
-    if (w->is_over)
+    if (w->nothing)
         return BB_OK;
     BB_TRY(status);
+    if (w->is_over)
+        return BB_OK;
     *exit_status = ended != BB_EXIT_OK ? ended : *exit_status;
     mark now;
     if (ended != BB_EXIT_OK)

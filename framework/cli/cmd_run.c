@@ -44,7 +44,7 @@ static const bb_cli_option options[] = {
      "compare",
      BB_INTO(comparison, entrants.builders)},
     {"tracer", "T",
-     "tracer, beside the builders: FILE.so:key=value,..., or name:key=value,...; see `list "
+     "tracer, beside the builders: FILE.so, FILE.so:key=value,... or name:key=value,...; see `list "
      "tracers`",
      BB_INTO(comparison, tracers)},
     {"kernel", "K",

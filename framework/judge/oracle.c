@@ -8,6 +8,8 @@
 #include "framework/base/memory.h"
 
 #include <math.h>
+#include <stdatomic.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 enum { CHUNK = 1024 };
@@ -49,7 +51,8 @@ typedef struct trace_job {
     const bb_ray *rays;
     bb_hit *hits;
     bool any;
-    _Atomic bool failed;
+    atomic_flag failed; /* the first failure is kept: */
+    char message[BB_MESSAGE_MAX];
 } trace_job;
 
 static void trace_chunk(void *context, size_t begin, size_t end, uint32_t thread)
@@ -57,18 +60,19 @@ static void trace_chunk(void *context, size_t begin, size_t end, uint32_t thread
     trace_job *job = context;
     (void)thread;
     if (bb_embree_trace(job->oracle->embree, job->rays + begin, (uint32_t)(end - begin), job->any,
-                        job->hits + begin) != BB_OK)
-        job->failed = true;
+                        job->hits + begin) != BB_OK &&
+        !atomic_flag_test_and_set(&job->failed))
+        snprintf(job->message, sizeof job->message, "%s", bb_message());
 }
 
 bb_status bb_oracle_trace(bb_oracle *oracle, const bb_ray *rays, uint32_t count,
                           const bb_query *query, bb_hit *hits)
 {
-    trace_job job = {oracle, rays, hits, query->any, false};
+    trace_job job = {oracle, rays, hits, query->any, ATOMIC_FLAG_INIT, ""};
     if (!query->is_hit)
         return bb_fail(BB_UNSUPPORTED, "Embree does not answer %s queries", query->name);
     bb_parallel_for(oracle->pool, count, CHUNK, trace_chunk, &job);
-    return job.failed ? bb_fail(BB_FAILED, "Embree failed to trace %u rays", count) : BB_OK;
+    return job.message[0] == '\0' ? BB_OK : bb_fail(BB_FAILED, "%s", job.message);
 }
 
 /* ---- what arbitration needs ---- */

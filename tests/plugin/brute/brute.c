@@ -191,6 +191,11 @@ static void destroy(void *self)
     free(b);
 }
 
+static const bb_variants variants[] = {
+    {BB_FOR_ALL, BB_ROLE_COMPARED, "brute,brute:pace=two"},
+    {.devices = 0},
+};
+
 extern const bb_tracer bb_tracer_brute;
 const bb_tracer bb_tracer_brute = {
     .abi_version = BB_TRACER_ABI_VERSION,
@@ -201,6 +206,7 @@ const bb_tracer bb_tracer_brute = {
     .options = options,
     .passing = "pace",
     .exactness = "kind",
+    .variants = variants,
     .create = create,
     .build = build,
     .pass = pass,
