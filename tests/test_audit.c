@@ -333,7 +333,7 @@ static void a_tracer_is_timed_with_its_trace(void **state)
     check(bb_tracing_build(embree, &built, &phases), "build");
     assert_true(built.timing.ms > 0);
     const bb_guarded whose = {"", ""};
-    check(bb_tracing_trace(embree, whose, rays, RAYS, false, hits, &timing), "trace");
+    check(bb_tracing_trace(embree, whose, NULL, rays, RAYS, false, hits, &timing), "trace");
     assert_true(timing.event_ms > 0.2 * timing.ms);
     bb_audit_timing(&audit, "tracer", &timing, true);
     if (audit.complaints > 0)

@@ -97,8 +97,9 @@ static void gpus_compare_kernels_of_theirs(void **state)
     cJSON_Delete(gpu);
 
     cJSON *cpu = results_of("", FEW "--scene cube --builder lbvh --rays primary", "cpu");
-    each = traces_by(cpu, "stack");
+    each = traces_by(cpu, "packet:group=256");
     assert_true(each > 0);
+    assert_int_equal(traces_by(cpu, "packet8:leaf=8,group=256"), each);
     assert_int_equal(traces_by(cpu, "stack8i:leaf=8,group=256"), each);
     uint32_t all = 0;
     cJSON_ArrayForEach(trace, cJSON_GetObjectItem(cpu, "traces"))
@@ -106,7 +107,7 @@ static void gpus_compare_kernels_of_theirs(void **state)
         assert_true(isnan(number_of(trace, "warm_rounds")));
         all += !is_reference(trace);
     }
-    assert_int_equal(all, 2 * each);
+    assert_int_equal(all, 3 * each);
     cJSON_Delete(cpu);
 }
 

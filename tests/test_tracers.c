@@ -89,6 +89,10 @@ static void what_it_breaks_costs_its_row(void **state)
         {"threads", "builds", "failed", "a thread at work", 1},
         {"rays", "traces", "failed", "changed the rays", 1},
         {"hangs", "traces", "failed", "died in trace()", 1},
+        {"late", "traces", "failed", "wrote answers after trace() had returned", 1},
+        {"lazy", "builds", "failed", "answers otherwise later than right after build()", 1},
+        {"floats", "traces", "failed", "changed the rounding mode in trace()", 1},
+        {"scene-last", "builds", "ok", "", 0},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         char command[1024], builder[64];

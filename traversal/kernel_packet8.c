@@ -4,7 +4,7 @@
 static const bb_option options[] = {BB_PACKET_OPTIONS, {.name = NULL}};
 
 static const bb_variants variants[] = {
-    {BB_FOR_CPU, BB_ROLE_TRIED, "packet8:leaf=8,group=256"},
+    {BB_FOR_CPU, BB_ROLE_COMPARED, "packet8:leaf=8,group=256"},
     {.devices = 0},
 };
 

@@ -1,10 +1,11 @@
 /* The stack kernel: kernels/stack.cl. */
 #include "traversal/traversal.h"
 
-/* The persistent form is Aila and Laine's; on CPUs the driver distributes work as well. */
+/* The persistent form is Aila and Laine's; on CPUs the driver distributes work as well. There, kernels
+ * that use the lanes of vectors are compared: none by one ray and two boxes at a time is near them. */
 static const bb_variants variants[] = {
-    {BB_FOR_ALL, BB_ROLE_COMPARED, "stack"},
-    {BB_FOR_GPU, BB_ROLE_COMPARED, "stack:persistent=yes"},
+    {BB_FOR_GPU, BB_ROLE_COMPARED, "stack,stack:persistent=yes"},
+    {BB_FOR_CPU, BB_ROLE_TRIED, "stack"},
     {BB_FOR_ALL, BB_ROLE_TRIED, "stack:leaf=4"},
     {.devices = 0},
 };

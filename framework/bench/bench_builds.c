@@ -276,6 +276,7 @@ static bb_status start_tracing(bb_bench *bench, bb_entrant *entrant)
     BB_TRY(bb_tracing_create(bench->device, entrant->text, bench->scene, &entrant->tracing));
     BB_TRY(build_tracing(bench, entrant, &timing, &phases));
     entrant->record.cold_ms = timing.timing.ms;
+    entrant->record.prepare_ms = bb_tracing_create_ms(entrant->tracing);
     return BB_OK;
 }
 
@@ -307,6 +308,7 @@ static void share_tree(bb_entrant *entrant)
     bb_build_record *record = &entrant->record;
     entrant->tracing = entrant->tree_of->tracing;
     record->cold_ms = from->cold_ms;
+    record->prepare_ms = from->prepare_ms;
     record->build_ms = from->build_ms;
     record->cpu_ms = from->cpu_ms;
     record->outside_ms = from->outside_ms;
@@ -319,15 +321,16 @@ static void share_tree(bb_entrant *entrant)
 }
 
 /* Makes sure that the library has what the row asks for. */
-static bb_status finish_tracer(bb_entrant *entrant)
+static bb_status finish_tracer(const bb_bench *bench, bb_entrant *entrant)
 {
+    const bb_guarded whose = {bench->scene->name, entrant->text};
     if (entrant->tracing == NULL)
         return BB_OK;
     finish_phases(entrant);
     bb_status status =
         bb_tracing_describe(entrant->tracing, entrant->record.about, sizeof entrant->record.about);
     if (status == BB_OK)
-        status = bb_tracing_pass(entrant->tracing, &entrant->spec);
+        status = bb_tracing_pass(entrant->tracing, whose, &entrant->spec);
     if (status != BB_OK)
         entrant->record.build_ms.count = 0; /* nothing is traced with it */
     return status;
@@ -565,8 +568,8 @@ bb_status bb_bench_builds(bb_bench *bench)
         if (entrant->record.status != BB_OK || bb_interrupted())
             continue;
         bb_step step = bb_bench_begin(bench);
-        bb_status status =
-            entrant->tracer != NULL ? finish_tracer(entrant) : finish_builder(bench, entrant, own);
+        bb_status status = entrant->tracer != NULL ? finish_tracer(bench, entrant)
+                                                   : finish_builder(bench, entrant, own);
         status = bb_bench_end(bench, step, "check trees, SAH", status);
         if (status != BB_OK)
             bb_bench_note_failure(entrant, status);

@@ -67,7 +67,6 @@ static bb_status trace_outside(bb_trace_set *set, bb_traced_cell *c, uint32_t fr
     if (!query->is_hit)
         return bb_fail(BB_UNSUPPORTED, "%s does not answer %s queries", c->entrant->tracer->name,
                        query->name);
-    BB_TRY(bb_tracing_pass(c->entrant->tracing, &c->entrant->spec));
     if (mapped) {
         BB_TRY(bb_buffer_map(&bench->rays, false, &rays));
         bb_status status = bb_buffer_map(&bench->answers, true, &hits);
@@ -81,8 +80,8 @@ static bb_status trace_outside(bb_trace_set *set, bb_traced_cell *c, uint32_t fr
         memset(hits, 0xEE, count * set->bytes);
     }
     const uint64_t before = XXH3_64bits(rays, count * sizeof(bb_ray));
-    bb_status status = bb_tracing_trace(c->entrant->tracing, bb_trace_guarded(&c->record), rays,
-                                        count, query->any, hits, timing);
+    bb_status status = bb_tracing_trace(c->entrant->tracing, bb_trace_guarded(&c->record),
+                                        &c->entrant->spec, rays, count, query->any, hits, timing);
     if (XXH3_64bits(rays, count * sizeof(bb_ray)) != before) {
         set->loaded = 0; /* what the device has of them is lost */
         status = bb_fail(BB_FAILED, "%s changed the rays in trace(): all others trace them too",

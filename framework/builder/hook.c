@@ -10,6 +10,8 @@ void bb_hook_begin(bb_hook *hook, bb_guarded whose, const char *who, const char 
     hook->whose = whose;
     hook->who = who;
     hook->name = name;
+    hook->owner = whose.row;
+    hook->on_host = false;
     hook->scene = scene;
     hook->footprint = footprint;
     bb_guard_enter(whose, who, name);
@@ -30,7 +32,7 @@ static void count_resident(const bb_hook *hook)
 
 static bb_status check_idle(const bb_hook *hook)
 {
-    const char *left = bb_idle_left(&hook->idle, hook->whose.row);
+    const char *left = bb_idle_left(&hook->idle, hook->owner);
     if (left == NULL)
         return BB_OK;
     return bb_fail(BB_FAILED, "%s left %s behind in %s(): all work ends before a hook returns",
@@ -42,7 +44,8 @@ static bb_status check_scene(const bb_hook *hook)
     const char *changed = NULL;
     if (hook->scene == NULL)
         return BB_OK;
-    const bb_status status = bb_scene_check_seal(hook->scene, &changed);
+    const bb_status status = hook->on_host ? bb_scene_check_seal_on_host(hook->scene, &changed)
+                                           : bb_scene_check_seal(hook->scene, &changed);
     if (changed == NULL)
         return status;
     const bool lost = status != BB_OK;

@@ -12,7 +12,9 @@
 typedef struct bb_hook {
     bb_guarded whose;
     const char *who, *name;
+    const char *owner; /* the threads that begin in it belong to this row; whose row, at first */
     const bb_scene *scene;
+    bool on_host; /* it gets no buffers; false at first */
     bb_footprint *footprint;
     bb_terms terms;
     bb_idle idle;

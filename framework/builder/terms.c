@@ -39,6 +39,26 @@ static void look_at_floats(uint32_t *rounding, uint32_t *control)
 #endif
 }
 
+void bb_float_terms_take(bb_float_terms *floats)
+{
+    fegetenv(&floats->all);
+    look_at_floats(&floats->rounding, &floats->control);
+}
+
+#define ROUNDING "the rounding mode"
+#define CONTROL "how floats are computed (denormals, traps or precision)"
+
+const char *bb_float_terms_put_back(const bb_float_terms *floats)
+{
+    static const char *const changed[] = {NULL, ROUNDING, CONTROL, ROUNDING ", " CONTROL};
+    uint32_t rounding, control;
+    look_at_floats(&rounding, &control);
+    const char *what = changed[(rounding != floats->rounding) + 2 * (control != floats->control)];
+    if (what != NULL)
+        fesetenv(&floats->all);
+    return what;
+}
+
 /* Compares the handler and how it is called. Where there is none, one flag alone has a meaning. */
 static bool same_handler(const struct sigaction *a, const struct sigaction *b)
 {
@@ -200,8 +220,7 @@ static bool streams_changed(const bb_terms *terms, bool *lost)
 void bb_terms_take(bb_terms *terms)
 {
     memset(terms, 0, sizeof *terms);
-    fegetenv(&terms->floats);
-    look_at_floats(&terms->rounding, &terms->float_control);
+    bb_float_terms_take(&terms->floats);
     snprintf(terms->locale, sizeof terms->locale, "%s", setlocale(LC_ALL, NULL));
     terms->thread_locale = uselocale((locale_t)0);
     for (int s = 1; s < BB_TERMS_SIGNALS; s++)
@@ -238,14 +257,9 @@ static const char not_put_back[] = "which could not be put back";
 /* Puts back what changed, and lists it. */
 static void list_and_put_back(const bb_terms *terms, char *list, size_t capacity)
 {
-    uint32_t rounding, control;
-    look_at_floats(&rounding, &control);
-    if (rounding != terms->rounding)
-        add(list, capacity, "the rounding mode");
-    if (control != terms->float_control)
-        add(list, capacity, "how floats are computed (denormals, traps or precision)");
-    if (rounding != terms->rounding || control != terms->float_control)
-        fesetenv(&terms->floats);
+    const char *floats = bb_float_terms_put_back(&terms->floats);
+    if (floats != NULL)
+        add(list, capacity, floats);
     if (strncmp(setlocale(LC_ALL, NULL), terms->locale, sizeof terms->locale - 1) != 0) {
         add(list, capacity, "the locale");
         setlocale(LC_ALL, terms->locale);

@@ -23,11 +23,16 @@ typedef struct bb_stream {
     struct stat file;
 } bb_stream;
 
+/* How the calling thread computes floats. */
+typedef struct bb_float_terms {
+    fenv_t all;
+    uint32_t rounding; /* of all units for floats */
+    uint32_t control;  /* what else they are told; 0 where that is not known */
+} bb_float_terms;
+
 /* Floating-point environment, own locale and signal mask are those of the calling thread. */
 typedef struct bb_terms {
-    fenv_t floats;
-    uint32_t rounding;      /* of all units for floats */
-    uint32_t float_control; /* what else they are told; 0 where that is not known */
+    bb_float_terms floats;
     char locale[BB_TERMS_LOCALE];
     locale_t thread_locale;
     struct sigaction signals[BB_TERMS_SIGNALS];
@@ -45,6 +50,11 @@ typedef struct bb_terms {
     bb_environment environment;
     char message[BB_MESSAGE_MAX]; /* bb_message() */
 } bb_terms;
+
+void bb_float_terms_take(bb_float_terms *floats);
+
+/* Puts back what has changed since. Returns what that is, for a list, or NULL: nothing. */
+const char *bb_float_terms_put_back(const bb_float_terms *floats);
 
 /* Takes the terms as they are. To be ended by bb_terms_check() or bb_terms_put_back(). */
 void bb_terms_take(bb_terms *terms);

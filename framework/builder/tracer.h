@@ -5,6 +5,10 @@
  * theirs. The harness has the clock and the threads: a tracer is called with a few rays at a time,
  * by as many threads as OpenCL uses.
  *
+ * No function may change the rays, the scene, or what others share: how floats are computed, locale,
+ * signals, limits, processors, timers, environment, working folder, standard streams. None leaves
+ * threads at work, or a process. Whoever does loses its row.
+ *
  * A tracer is one constant struct, `const bb_tracer bb_tracer_NAME`, in tracers/NAME/NAME.c (or
  * .cpp); CMake finds the folder. Outside this tree, `bvhbench_add_tracer(NAME)` makes a shared
  * object of the same file, which exports `bb_plugin`: see BB_TRACER_PLUGIN.
@@ -56,23 +60,26 @@ struct bb_tracer {
      * `compared`. NULL: the plain name. */
     const bb_variants *variants;
 
-    /* Makes whatever comes before the first build of this scene; not timed. If it fails after it
+    /* Makes whatever comes before the first build of this scene; not part of a build's time, but
+     * shown beside it (prepare_ms). If it fails after it
      * has set *self, only destroy() is called. BB_UNSUPPORTED: the library that was loaded lacks
      * what the parameters ask for. Required. */
     bb_status (*create)(const bb_tracer_context *context, void **self);
 
-    /* Builds from the scene's arrays to what trace() needs, in bb_phase() spans. Timed; called many
-     * times on the same object, and each builds anew. Required. */
+    /* Builds from the scene's arrays to what trace() needs, in bb_phase() spans. Called many times on
+     * the same object, and each builds anew. Timed, together with a few rays that trace() must
+     * answer right after it as it will later. Required. */
     bb_status (*build)(void *self, bb_phases *phases);
 
-    /* Rays are passed as `spec` says from now on; not timed. BB_UNSUPPORTED as in create().
-     * Optional. */
+    /* Rays are passed as `spec` says from now on. Called before each trace, and timed with it.
+     * BB_UNSUPPORTED as in create(). Optional. */
     bb_status (*pass)(void *self, const bb_spec *spec);
 
     /* Traces `count` rays and writes as many answers. With `any`, any hit in the ray's interval is
      * right, and need not be named: (0, BB_UNNAMED). Else the closest one, with its t and its
      * primitive in the scene's numbering. A miss is (INFINITY, BB_NONE). Called by several threads
-     * at once, with rays that lie next to each other in the ray set. Required. */
+     * at once, with rays that lie next to each other in the ray set. All answers are there when it
+     * returns. Required. */
     bb_status (*trace)(void *self, const bb_ray *rays, uint32_t count, bool any, bb_hit *hits);
 
     /* Returns the bytes that it holds for this scene, beside the scene's own arrays. Without it, or

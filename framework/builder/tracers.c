@@ -117,6 +117,14 @@ static bool has_option(const bb_tracer *tracer, const char *name, size_t length)
     return false;
 }
 
+static bool has_default(const bb_tracer *tracer, const char *name)
+{
+    for (const bb_option *o = tracer->options; o != NULL && o->name != NULL; o++)
+        if (strcmp(o->name, name) == 0)
+            return o->default_value != NULL;
+    return false;
+}
+
 static bool has_all(const bb_tracer *tracer, const char *list)
 {
     for (const char *at = list; at != NULL && *at != '\0'; at += *at == ',') {
@@ -186,7 +194,8 @@ static bb_status check(const bb_tracer *tracer)
         {tracer->trace != NULL, "trace() is missing"},
         {tracer->destroy != NULL, "destroy() is missing"},
         {has_all(tracer, tracer->passing), "passing names an option that it does not have"},
-        {has_all(tracer, tracer->exactness), "exactness names an option that it does not have"},
+        {tracer->exactness == NULL || has_default(tracer, tracer->exactness),
+         "exactness names no option that it has, with a default"},
         {tracer->passing == NULL || tracer->passing[0] == '\0' || tracer->pass != NULL,
          "pass() is missing, and passing names options"},
     };

@@ -1,20 +1,34 @@
 #include "framework/builder/tracing.h"
 
 #include "framework/base/clock.h"
+#include "framework/base/random.h"
+#include "framework/base/steering.h"
 #include "framework/base/threads.h"
 #include "framework/builder/hook.h"
 #include "framework/device/device_private.h"
+#include "framework/scene/seal.h"
 
 #include <malloc.h>
+#include <math.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/random.h>
+#include <xxhash.h>
 
 enum {
-    CHUNK = 2048,            /* rays of a call: a multiple of packets and streams */
-    UNSAID_LEAST = 32 << 20, /* bytes of the heap beside those that it says it holds */
+    CHUNK_LEAST = 256, /* rays of a call: a multiple of packets and streams */
+    CHUNK_MOST = 2048,
+    CHUNKS_EACH = 8,         /* for each thread, if there are enough rays */
+    FIRST_RAYS = 16,         /* traced within the clock of a build */
+    UNSAID_HEAP = 1 << 20,   /* bytes of the heap beside those that it says it holds */
+    UNSAID_LEAST = 32 << 20, /* bytes of the process beside them */
 };
+
+/* The threads that call all tracers. */
+static bb_pool *pool;
+static uint32_t pool_users;
 
 struct bb_tracing {
     const bb_tracer *tracer;
@@ -25,8 +39,11 @@ struct bb_tracing {
     bb_tracer_context context;
     char text[512]; /* its row */
     bb_footprint footprint;
-    int64_t heap; /* bytes that its create() and build() have added */
-    bb_pool *pool;
+    int64_t heap;   /* bytes that its create() and build() have added */
+    uint64_t bytes; /* that it held after its last build */
+    double create_ms;
+    bool uses_pool;
+    bb_random random; /* of first rays; nobody can foresee it */
     void *self;
 };
 
@@ -40,6 +57,8 @@ static int64_t heap_bytes(void)
 static void begin(bb_tracing *t, bb_guarded whose, const char *name, bb_hook *hook)
 {
     bb_hook_begin(hook, whose, t->tracer->name, name, t->scene, &t->footprint);
+    hook->owner = t->text;
+    hook->on_host = true;
 }
 
 static bb_guarded row_of(const bb_tracing *t)
@@ -70,9 +89,32 @@ static bb_status create(bb_tracing *t)
         return bb_fail(BB_FAILED, "%s", death);
     begin(t, row_of(t), "create", &hook);
     const int64_t heap = heap_bytes();
+    const double start = bb_wall_ms();
     const bb_status status = t->tracer->create(&t->context, &t->self);
+    t->create_ms = bb_wall_ms() - start;
     t->heap += heap_bytes() - heap;
     return bb_hook_end(&hook, status);
+}
+
+static bb_status take_pool(bb_tracing *t)
+{
+    if (pool_users == 0 || bb_pool_threads(pool) != t->context.threads) {
+        if (pool_users > 0)
+            return bb_fail(BB_FAILED, "tracer %s: others run on %u threads, not %u", t->text,
+                           bb_pool_threads(pool), t->context.threads);
+        BB_TRY(bb_pool_create(t->context.threads, &pool));
+    }
+    pool_users++;
+    t->uses_pool = true;
+    return BB_OK;
+}
+
+static void leave_pool(const bb_tracing *t)
+{
+    if (!t->uses_pool || --pool_users > 0)
+        return;
+    bb_pool_destroy(pool);
+    pool = NULL;
 }
 
 bb_status bb_tracing_create(bb_device *device, const char *text, const bb_scene *scene,
@@ -95,8 +137,12 @@ bb_status bb_tracing_create(bb_device *device, const char *text, const bb_scene 
     snprintf(t->text, sizeof t->text, "%s", text);
     bb_status status = bb_spec_parse(text, &t->spec); /* a spec must not move */
     t->context = (bb_tracer_context){&t->part, &t->spec, tracer->options, bb_host_threads(device)};
+    uint64_t seed = 0;
+    if (getrandom(&seed, sizeof seed, 0) != (ssize_t)sizeof seed)
+        seed = (uint64_t)(bb_wall_ms() * 1e6);
+    t->random = bb_random_make(seed, 0);
     if (status == BB_OK)
-        status = bb_pool_create(t->context.threads, &t->pool);
+        status = take_pool(t);
     if (status == BB_OK)
         status = create(t);
     if (status == BB_OK)
@@ -104,6 +150,16 @@ bb_status bb_tracing_create(bb_device *device, const char *text, const bb_scene 
     else
         bb_tracing_destroy(t);
     return status;
+}
+
+/* Puts back what destroy() wrote into the scene. Keeps bb_message(). */
+static void put_scene_back(const bb_scene *scene)
+{
+    char message[BB_MESSAGE_MAX];
+    const char *unused;
+    snprintf(message, sizeof message, "%s", bb_message());
+    (void)bb_scene_check_seal_on_host(scene, &unused);
+    (void)bb_fail(BB_FAILED, "%s", message);
 }
 
 void bb_tracing_destroy(bb_tracing *t)
@@ -115,8 +171,9 @@ void bb_tracing_destroy(bb_tracing *t)
         begin(t, row_of(t), "destroy", &hook);
         t->tracer->destroy(t->self);
         bb_hook_put_back(&hook); /* no row is left to fail */
+        put_scene_back(t->scene);
     }
-    bb_pool_destroy(t->pool);
+    leave_pool(t);
     free(t);
 }
 
@@ -134,12 +191,48 @@ static bb_status check_threads(const bb_tracing *t, const bb_timing *timing, con
         t->tracer->name, timing->cpu_ms, hook, t->context.threads, timing->ms);
 }
 
-bb_status bb_tracing_build(bb_tracing *t, bb_build_timing *timing, bb_phases *phases)
+/* Rays from random points of the scene's box towards others. */
+static void make_first_rays(bb_tracing *t, bb_ray *rays)
+{
+    const bb_box *box = &t->scene->bounds;
+    for (uint32_t i = 0; i < FIRST_RAYS; i++) {
+        bb_ray *ray = &rays[i];
+        *ray = (bb_ray){.tmax = INFINITY};
+        for (int k = 0; k < 3; k++) {
+            ray->o[k] = (float)bb_random_range(&t->random, box->lo[k], box->hi[k]);
+            ray->d[k] =
+                (float)bb_random_range(&t->random, box->lo[k], box->hi[k]) / 2 - ray->o[k] / 2;
+        }
+        if (!(ray->d[0] * ray->d[0] + ray->d[1] * ray->d[1] + ray->d[2] * ray->d[2] > 0))
+            ray->d[0] = 1; /* a box of no extent, or too small for floats */
+    }
+}
+
+/* Asks for the bytes that it holds; those of the heap or of the process count if they are more. */
+static bb_status weigh(bb_tracing *t)
+{
+    bb_hook hook;
+    uint64_t said = 0;
+    const int64_t resident = t->footprint.now - UNSAID_LEAST;
+    const uint64_t heap = t->heap > 0 ? (uint64_t)t->heap : 0;
+    if (t->tracer->bytes != NULL) {
+        begin(t, row_of(t), "bytes", &hook);
+        said = t->tracer->bytes(t->self);
+        BB_TRY(bb_hook_end(&hook, BB_OK));
+    }
+    t->bytes = t->tracer->bytes == NULL || heap > said + said / 10 + UNSAID_HEAP ? heap : said;
+    if (resident > 0 && (uint64_t)resident > t->bytes)
+        t->bytes = (uint64_t)t->footprint.now;
+    return BB_OK;
+}
+
+/* What was built must answer at once: the first rays are part of the build. The same rays later
+ * must have the same answers, or the work went on after the clock had stopped. */
+static bb_status build_and_answer(bb_tracing *t, bb_build_timing *timing, bb_phases *phases,
+                                  const bb_ray *rays, bb_hit *hits, double *first_ms)
 {
     bb_stopwatch watch;
     bb_hook hook;
-    *timing = (bb_build_timing){.restore_ms = 0};
-    *phases = (bb_phases){.current = -1};
     begin(t, row_of(t), "build", &hook);
     const int64_t heap = heap_bytes();
     bb_status status = bb_stopwatch_start(t->device, &watch);
@@ -147,25 +240,58 @@ bb_status bb_tracing_build(bb_tracing *t, bb_build_timing *timing, bb_phases *ph
         status = t->tracer->build(t->self, phases);
         if (status == BB_OK)
             status = bb_phase(phases, NULL);
+        const double built = bb_wall_ms();
+        if (status == BB_OK)
+            status = t->tracer->trace(t->self, rays, FIRST_RAYS, false, hits);
+        *first_ms = bb_wall_ms() - built;
         status = bb_stopwatch_stop(&watch, status, &timing->timing);
     }
     t->heap += heap_bytes() - heap;
-    BB_TRY(bb_hook_end(&hook, status));
+    return bb_hook_end(&hook, status);
+}
+
+static bb_status answer_again(bb_tracing *t, const bb_ray *rays, const bb_hit *hits)
+{
+    bb_hook hook;
+    bb_hit again[FIRST_RAYS];
+    memset(again, 0xEE, sizeof again);
+    begin(t, row_of(t), "trace", &hook);
+    BB_TRY(bb_hook_end(&hook, t->tracer->trace(t->self, rays, FIRST_RAYS, false, again)));
+    return memcmp(again, hits, sizeof again) == 0
+               ? BB_OK
+               : bb_fail(BB_FAILED,
+                         "%s answers otherwise later than right after build(), by when all must be "
+                         "built",
+                         t->tracer->name);
+}
+
+bb_status bb_tracing_build(bb_tracing *t, bb_build_timing *timing, bb_phases *phases)
+{
+    bb_ray rays[FIRST_RAYS];
+    bb_hit hits[FIRST_RAYS];
+    double first_ms = 0;
+    *timing = (bb_build_timing){.restore_ms = 0};
+    *phases = (bb_phases){.current = -1};
+    make_first_rays(t, rays);
+    memset(hits, 0xEE, sizeof hits);
+    BB_TRY(build_and_answer(t, timing, phases, rays, hits, &first_ms));
     BB_TRY(check_threads(t, &timing->timing, "build"));
+    BB_TRY(answer_again(t, rays, hits));
+    BB_TRY(weigh(t));
     timing->outside_ms = phases->outside_ms;
     timing->timing.ms -= phases->outside_ms;
-    timing->timing.event_ms = -phases->outside_ms;
+    timing->timing.event_ms = first_ms - phases->outside_ms;
     for (uint32_t i = 0; i < phases->count; i++)
         timing->timing.event_ms += phases->ms[i];
     return BB_OK;
 }
 
-bb_status bb_tracing_pass(bb_tracing *t, const bb_spec *spec)
+bb_status bb_tracing_pass(bb_tracing *t, bb_guarded whose, const bb_spec *spec)
 {
     bb_hook hook;
     if (t->tracer->pass == NULL)
         return BB_OK;
-    begin(t, row_of(t), "pass", &hook);
+    begin(t, whose, "pass", &hook);
     return bb_hook_end(&hook, t->tracer->pass(t->self, spec));
 }
 
@@ -181,21 +307,56 @@ typedef struct trace_job {
     char message[BB_MESSAGE_MAX];
 } trace_job;
 
+static bb_status trace_some(const trace_job *job, size_t begin, size_t end)
+{
+    const bb_tracing *t = job->tracing;
+    bb_float_terms floats;
+    bb_float_terms_take(&floats);
+    const bb_status status = t->tracer->trace(t->self, job->rays + begin, (uint32_t)(end - begin),
+                                              job->any, job->hits + begin);
+    const char *changed = bb_float_terms_put_back(&floats);
+    return changed == NULL
+               ? status
+               : bb_fail(BB_FAILED, "%s changed %s in trace()", t->tracer->name, changed);
+}
+
 static void trace_chunk(void *context, size_t begin, size_t end, uint32_t thread)
 {
     trace_job *job = context;
-    const bb_tracing *t = job->tracing;
     (void)thread;
-    const bb_status status = t->tracer->trace(t->self, job->rays + begin, (uint32_t)(end - begin),
-                                              job->any, job->hits + begin);
+    const bb_status status = trace_some(job, begin, end);
     if (status == BB_OK || atomic_flag_test_and_set(&job->failed))
         return;
     job->status = status;
     snprintf(job->message, sizeof job->message, "%s", bb_message());
 }
 
-bb_status bb_tracing_trace(bb_tracing *t, bb_guarded whose, const bb_ray *rays, uint32_t count,
-                           bool any, bb_hit *hits, bb_timing *timing)
+/* As large as packets and streams like them, if that leaves some for each thread. */
+static uint32_t chunk_of(const bb_tracing *t, uint32_t count)
+{
+    const uint32_t even = count / (CHUNKS_EACH * t->context.threads) / CHUNK_LEAST * CHUNK_LEAST;
+    return even < CHUNK_LEAST ? CHUNK_LEAST : even > CHUNK_MOST ? CHUNK_MOST : even;
+}
+
+static bb_status trace_all(bb_tracing *t, trace_job *job, const bb_spec *pass, uint32_t count,
+                           bb_timing *timing)
+{
+    const double cpu = bb_cpu_ms(), start = bb_wall_ms();
+    if (pass != NULL && t->tracer->pass != NULL)
+        job->status = t->tracer->pass(t->self, pass);
+    const double passed = bb_wall_ms();
+    if (job->status == BB_OK)
+        bb_parallel_for(pool, count, chunk_of(t, count), trace_chunk, job);
+    else
+        snprintf(job->message, sizeof job->message, "%s", bb_message());
+    *timing = (bb_timing){.ms = bb_wall_ms() - start,
+                          .cpu_ms = bb_cpu_ms() - cpu,
+                          .event_ms = bb_pool_span_ms(pool) + (passed - start)};
+    return job->status == BB_OK ? BB_OK : bb_fail(job->status, "%s", job->message);
+}
+
+bb_status bb_tracing_trace(bb_tracing *t, bb_guarded whose, const bb_spec *pass, const bb_ray *rays,
+                           uint32_t count, bool any, bb_hit *hits, bb_timing *timing)
 {
     trace_job job = {.tracing = t,
                      .rays = rays,
@@ -205,32 +366,39 @@ bb_status bb_tracing_trace(bb_tracing *t, bb_guarded whose, const bb_ray *rays, 
                      .status = BB_OK};
     bb_hook hook;
     begin(t, whose, "trace", &hook);
-    const double cpu = bb_cpu_ms(), start = bb_wall_ms();
-    bb_parallel_for(t->pool, count, CHUNK, trace_chunk, &job);
-    *timing = (bb_timing){.ms = bb_wall_ms() - start,
-                          .cpu_ms = bb_cpu_ms() - cpu,
-                          .event_ms = bb_pool_span_ms(t->pool)};
-    if (job.status != BB_OK)
-        job.status = bb_fail(job.status, "%s", job.message);
-    BB_TRY(bb_hook_end(&hook, job.status));
-    return check_threads(t, timing, "trace");
+    bb_status status = trace_all(t, &job, pass, count, timing);
+    const uint64_t answers = XXH3_64bits(hits, count * sizeof *hits);
+    BB_TRY(bb_hook_end(&hook, status));
+    BB_TRY(check_threads(t, timing, "trace"));
+    if (XXH3_64bits(hits, count * sizeof *hits) == answers)
+        return BB_OK;
+    return bb_fail(BB_FAILED, "%s wrote answers after trace() had returned", t->tracer->name);
 }
 
 /* ---- what is said of it ---- */
 
+double bb_tracing_create_ms(const bb_tracing *t)
+{
+    return t->create_ms;
+}
+
 uint64_t bb_tracing_bytes(const bb_tracing *t)
 {
-    const uint64_t said = t->tracer->bytes != NULL ? t->tracer->bytes(t->self) : 0;
-    const uint64_t heap = t->heap > 0 ? (uint64_t)t->heap : 0;
-    return t->tracer->bytes == NULL || heap > said + UNSAID_LEAST ? heap : said;
+    return t->bytes;
 }
 
 bb_status bb_tracing_describe(bb_tracing *t, char *text, size_t capacity)
 {
     bb_hook hook;
+    char words[512] = "";
     text[0] = '\0';
     if (t->tracer->describe == NULL)
         return BB_OK;
     begin(t, row_of(t), "describe", &hook);
-    return bb_hook_end(&hook, t->tracer->describe(t->self, text, capacity));
+    const bb_status status = t->tracer->describe(t->self, words, sizeof words);
+    BB_TRY(bb_hook_end(&hook, status));
+    words[sizeof words - 1] = '\0';
+    bb_calm_text(words);
+    snprintf(text, capacity, "%s", words);
+    return BB_OK;
 }

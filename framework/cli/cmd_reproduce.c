@@ -175,11 +175,9 @@ static bb_status measure_paper(const bb_cli *cli, wanted *w, const char *folder,
     if (w->nothing)
         return BB_OK;
     BB_TRY(status);
-    if (w->is_over)
-        return BB_OK;
     *exit_status = ended != BB_EXIT_OK ? ended : *exit_status;
     mark now;
-    if (ended != BB_EXIT_OK)
+    if (w->is_over || ended != BB_EXIT_OK)
         return BB_OK;
     BB_TRY(mark_of(folder, own, &now));
     return bb_file_write(path, now.text, MARK_LENGTH, "reproduce all");

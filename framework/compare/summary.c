@@ -149,7 +149,7 @@ static void fill_row(const bb_summary_view *v, uint32_t e, const best *of, bb_su
     row->trace = (bb_standing){speed.value, speed.rounds.low, speed.rounds.high, false, false};
     row->partial = !v->whole[e];
     row->untimed = v->untimed[e];
-    row->leaves_out = !row->reference && bb_leaves_out(v, e, &build);
+    row->leaves_out = bb_leaves_out(v, e, &build);
     row->build = stand_as_rate(v, e, of->build, &build);
     row->ready = stand_as_rate(v, e, of->ready, &ready);
     row->quality = stand(v, e, of->quality, &quality);

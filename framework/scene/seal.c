@@ -162,7 +162,8 @@ static bb_status hash_buffer(bb_device *device, hasher *h, const part *p, uint64
 static bb_status hash_all(const bb_scene *scene, const parts *all, uint64_t *hashes)
 {
     hasher h = {0};
-    bb_device *device = scene->on_device.device;
+    const bool buffers = all->count > 0 && all->items[all->count - 1].buffer != NULL;
+    bb_device *device = buffers ? scene->on_device.device : NULL;
     bb_status status = device != NULL ? open_hasher(device, &h) : BB_OK;
     for (uint32_t i = 0; i < all->count && status == BB_OK; i++)
         if (all->items[i].buffer != NULL)
@@ -173,6 +174,7 @@ static bb_status hash_all(const bb_scene *scene, const parts *all, uint64_t *has
     return status;
 }
 
+/* Lists the host's parts before the device's. */
 static void list(const bb_scene *scene, parts *all)
 {
     all->count = 0;
@@ -250,9 +252,9 @@ static bb_status mend(const bb_scene *scene, const parts *all, bool on_host)
                                      all->items[left].what);
 }
 
-bb_status bb_scene_check_seal(const bb_scene *scene, const char **changed)
+static bb_status check_seal(const bb_scene *scene, bool on_host, const char **changed)
 {
-    parts all;
+    parts all, some = {.count = 0};
     uint32_t which;
     *changed = NULL;
     if (scene->seal == NULL)
@@ -261,13 +263,25 @@ bb_status bb_scene_check_seal(const bb_scene *scene, const char **changed)
         return bb_fail(BB_FAILED, "%s: a builder wrote into it, and it cannot be put back",
                        scene->name);
     list(scene, &all);
-    BB_TRY(find_changed(scene, &all, &which));
+    if (on_host)
+        list_host(scene, &some);
+    BB_TRY(find_changed(scene, on_host ? &some : &all, &which));
     if (which == BB_NONE)
         return BB_OK;
     *changed = all.items[which].what;
     const bb_status status = mend(scene, &all, all.items[which].buffer == NULL);
     scene->seal->lost = status != BB_OK;
     return status;
+}
+
+bb_status bb_scene_check_seal(const bb_scene *scene, const char **changed)
+{
+    return check_seal(scene, false, changed);
+}
+
+bb_status bb_scene_check_seal_on_host(const bb_scene *scene, const char **changed)
+{
+    return check_seal(scene, true, changed);
 }
 
 void bb_scene_is_whole(bb_scene *scene)

@@ -15,6 +15,9 @@ bb_status bb_scene_seal(bb_scene *scene);
  * BB_FAILED. The device's queue must be finished. */
 bb_status bb_scene_check_seal(const bb_scene *scene, const char **changed);
 
+/* The same for whoever was given no buffers: hashes the host's memory alone. */
+bb_status bb_scene_check_seal_on_host(const bb_scene *scene, const char **changed);
+
 /* The caller has put everything back: a scene that could not be is whole again. */
 void bb_scene_is_whole(bb_scene *scene);
 

@@ -220,6 +220,7 @@ static bb_status build_embree(location *l, double *ms)
 
 static bb_status start_embree(location *l)
 {
+    const bb_guarded whose = {l->faces->name, BB_REFERENCE_NAME};
     double ms;
     BB_TRY(bb_tracing_create(l->request->contest.device, BB_REFERENCE_NAME, l->faces, &l->embree));
     BB_TRY(build_embree(l, &ms));
@@ -229,7 +230,7 @@ static bb_status start_embree(location *l)
         e->query = embree_queries[i];
         snprintf(text, sizeof text, BB_REFERENCE_NAME ":query=%s", e->query);
         BB_TRY(bb_spec_parse(text, &e->spec));
-        const bb_status status = bb_tracing_pass(l->embree, &e->spec);
+        const bb_status status = bb_tracing_pass(l->embree, whose, &e->spec);
         if (status != BB_OK && status != BB_UNSUPPORTED)
             return status;
         e->missing = status != BB_OK;
@@ -242,9 +243,9 @@ static bb_status start_embree(location *l)
 
 static bb_status trace_embree(location *l, embree_way *e, bb_timing *timing)
 {
-    BB_TRY(bb_tracing_pass(l->embree, &e->spec));
     const bb_guarded whose = {l->faces->name, BB_REFERENCE_NAME};
-    return bb_tracing_trace(l->embree, whose, l->rays.rays, l->rays.count, false, l->hits, timing);
+    return bb_tracing_trace(l->embree, whose, &e->spec, l->rays.rays, l->rays.count, false, l->hits,
+                            timing);
 }
 
 /* In each round: its build, and each of its queries. */

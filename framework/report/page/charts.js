@@ -197,7 +197,7 @@ function drawQuality(set, cells) {
     cell: c, key: builderKey(c) + kernelKey(c), x: c.metrics[metric.name], y: c.mrays_s, none: c.none,
     ySpread: spreadOf(c, 'mrays_s') }));
   const sets = marksOf(points, c => c.label, builderColour), xs = sets.flatMap(s => s.data).map(p => p.x);
-  const rate = Math.max(0, ...cells.filter(c => c.reference).map(c => c.mrays_s));
+  const rate = Math.max(0, ...cells.filter(c => isReference(c.builder)).map(c => c.mrays_s));
   if (rate > 0 && xs.length > 0)
     sets.push(line('fastest embree-native', [{ x: Math.min(...xs), y: rate }, { x: Math.max(...xs), y: rate }],
                    { borderDash: [6, 4] }));

@@ -51,11 +51,14 @@ const raysKey = t => JSON.stringify([raysPart(t), t.rays_hash || '', runOf(t)]);
 /* Rays that no workload made say so wherever they are named. */
 const raysName = t => t.rays_source === 'as given' ? `${t.rays} (rays as given)` : t.rays;
 
+/* Embree's own trees; other tracers are no yardstick. */
+const isReference = builder => /^embree-native(:|$)/.test(builder);
+
 /* Of each ray set the fastest row of the reference, and its size: brute force traces only the first of the rays. */
 const referenceRate = new Map(), setSize = new Map();
 for (const t of data.traces) {
   setSize.set(raysKey(t), Math.max(setSize.get(raysKey(t)) || 0, t.count));
-  if (!/^embree-native(:|$)/.test(t.builder) || t.status !== 'ok' || !isNumber(t.mrays_s)) continue;
+  if (!isReference(t.builder) || t.status !== 'ok' || !isNumber(t.mrays_s)) continue;
   referenceRate.set(raysKey(t), Math.max(referenceRate.get(raysKey(t)) || 0, t.mrays_s));
 }
 

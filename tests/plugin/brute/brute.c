@@ -1,8 +1,10 @@
 /* A tracer without a tree, for tests: brute force in doubles; or one that breaks a promise. */
 #include "framework/builder/tracer.h"
 
+#include <fenv.h>
 #include <math.h>
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -10,19 +12,22 @@
 
 static const bb_option options[] = {
     {"kind", "right",
-     "right|blind|crashes|crashes-early|hangs|fewer|rays|scene|threads|greedy|fails|fails-late|"
-     "lacks|"
-     "lacks-late",
+     "right|blind|crashes|crashes-early|hangs|fewer|rays|scene|scene-last|threads|greedy|fails|"
+     "fails-late|lacks|lacks-late|late|lazy|floats",
      "what it does"},
     {"pace", "one", "one|two", "says how rays are passed, which changes nothing"},
     {NULL, NULL, NULL, NULL},
 };
+
+/* More rays than the harness traces with a build: what breaks a promise in trace() waits for them. */
+enum { SOME = 100 };
 
 typedef struct brute {
     const bb_tracer_context *c;
     float *copy; /* of the vertices */
     uint64_t bytes;
     bool worker;
+    atomic_bool built;
 } brute;
 
 static bool is(const brute *b, const char *kind)
@@ -44,6 +49,13 @@ static double seconds(clockid_t which)
     struct timespec now;
     clock_gettime(which, &now);
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static void toil_for(double time)
+{
+    const double start = seconds(CLOCK_MONOTONIC);
+    while (seconds(CLOCK_MONOTONIC) - start < time) {
+    }
 }
 
 /* Works until the process has taken clearly more than one processor, or, on a busy machine, until
@@ -94,6 +106,7 @@ static bb_status build(void *self, bb_phases *phases)
         return bb_fail(BB_REFUSED, "brute: no memory");
     memcpy(b->copy, b->c->scene->vertices, bytes);
     b->bytes = bytes;
+    b->built = !is(b, "lazy");
     if (is(b, "fails"))
         return bb_fail(BB_FAILED, "brute: cannot build");
     if (is(b, "scene"))
@@ -145,22 +158,8 @@ static double meet(const brute *b, const bb_ray *ray, uint32_t triangle)
     return t > ray->tmin && t < ray->tmax ? t : INFINITY;
 }
 
-static bb_status trace(void *self, const bb_ray *rays, uint32_t count, bool any, bb_hit *hits)
+static void answer(const brute *b, const bb_ray *rays, uint32_t count, bb_hit *hits)
 {
-    const brute *b = self;
-    (void)any; /* the closest is one of them */
-    if (is(b, "crashes"))
-        abort();
-    while (is(b, "hangs"))
-        pause();
-    if (is(b, "greedy"))
-        be_greedy();
-    if (is(b, "fails-late"))
-        return bb_fail(BB_FAILED, "brute: cannot trace");
-    if (is(b, "rays"))
-        ((bb_ray *)rays)[0].o[0] += 1;
-    if (is(b, "fewer"))
-        count -= 1;
     for (uint32_t i = 0; i < count; i++) {
         hits[i] = (bb_hit){INFINITY, BB_NONE};
         for (uint32_t p = 0; p < b->c->scene->prim_count && !is(b, "blind"); p++) {
@@ -169,6 +168,64 @@ static bb_status trace(void *self, const bb_ray *rays, uint32_t count, bool any,
                 hits[i] = (bb_hit){(float)t, p};
         }
     }
+}
+
+typedef struct later {
+    const brute *brute;
+    const bb_ray *rays;
+    uint32_t count;
+    bb_hit *hits;
+} later;
+
+static void *answer_later(void *what)
+{
+    later *l = what;
+    toil_for(0.02);
+    answer(l->brute, l->rays, l->count, l->hits);
+    free(l);
+    return NULL;
+}
+
+static bb_status answer_behind(const brute *b, const bb_ray *rays, uint32_t count, bb_hit *hits)
+{
+    pthread_t thread;
+    later *l = malloc(sizeof *l);
+    if (l == NULL)
+        return bb_fail(BB_REFUSED, "brute: no memory");
+    *l = (later){b, rays, count, hits};
+    for (uint32_t i = 0; i < count; i++)
+        hits[i] = (bb_hit){INFINITY, BB_NONE};
+    if (pthread_create(&thread, NULL, answer_later, l) != 0)
+        abort();
+    pthread_detach(thread);
+    return BB_OK;
+}
+
+static bb_status trace(void *self, const bb_ray *rays, uint32_t count, bool any, bb_hit *hits)
+{
+    brute *b = self;
+    const bool many = count > SOME;
+    (void)any; /* the closest is one of them */
+    if (many && is(b, "crashes"))
+        abort();
+    while (many && is(b, "hangs"))
+        pause();
+    if (many && is(b, "greedy"))
+        be_greedy();
+    if (many && is(b, "fails-late"))
+        return bb_fail(BB_FAILED, "brute: cannot trace");
+    if (many && is(b, "late"))
+        return answer_behind(b, rays, count, hits);
+    if (many && is(b, "rays"))
+        ((bb_ray *)rays)[0].o[0] += 1;
+    if (many && is(b, "floats"))
+        fesetround(FE_UPWARD);
+    if (!atomic_exchange(&b->built, true)) { /* lazy: as long as it has no tree, it sees nothing */
+        for (uint32_t i = 0; i < count; i++)
+            hits[i] = (bb_hit){INFINITY, BB_NONE};
+        return BB_OK;
+    }
+    answer(b, rays, is(b, "fewer") ? count - 1 : count, hits);
     return BB_OK;
 }
 
@@ -187,6 +244,8 @@ static bb_status describe(void *self, char *text, size_t capacity)
 static void destroy(void *self)
 {
     brute *b = self;
+    if (is(b, "scene-last"))
+        b->c->scene->vertices[0] += 1;
     free(b->copy);
     free(b);
 }
