@@ -1,8 +1,8 @@
 /* The stack kernel: kernels/stack.cl. */
 #include "traversal/traversal.h"
 
-/* The persistent form is Aila and Laine's; on CPUs the driver distributes work as well. There, kernels
- * that use the lanes of vectors are compared: none by one ray and two boxes at a time is near them. */
+/* The persistent form is Aila and Laine's; on CPUs the driver distributes work as well. There,
+ * kernels that use the lanes of vectors are compared: by one ray at a time, none is near them. */
 static const bb_variants variants[] = {
     {BB_FOR_GPU, BB_ROLE_COMPARED, "stack,stack:persistent=yes"},
     {BB_FOR_CPU, BB_ROLE_TRIED, "stack"},

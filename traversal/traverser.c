@@ -39,9 +39,12 @@ enum { GROUPS_PER_UNIT = 16 };
  * memory of each work-item. */
 enum { STACK_MAX = 1024 };
 
-static uint32_t round_stack(uint32_t need)
+/* On CPUs a stack that is not used costs nothing, and each size would be compiled again. */
+enum { STACK_LEAST_ON_CPUS = 128 };
+
+static uint32_t round_stack(const bb_device *device, uint32_t need)
 {
-    uint32_t size = BB_STACK_LEAST;
+    uint32_t size = device->is_cpu ? STACK_LEAST_ON_CPUS : BB_STACK_LEAST;
     while (size < need && size < STACK_MAX)
         size *= 2;
     return size;
@@ -75,7 +78,7 @@ static bb_status choose_variant(const bb_device *device, const bb_traverser_requ
         v->levels = round_levels(layout->levels);
     if (kernel->stackless)
         return BB_OK;
-    v->stack_size = round_stack(layout->stack_need);
+    v->stack_size = round_stack(device, layout->stack_need);
     const uint32_t stacks = bb_stacks_of_item(kernel, spec), room = bb_stack_room(device, stacks);
     uint64_t given;
     if (v->stack_given) {

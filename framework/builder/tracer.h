@@ -5,9 +5,9 @@
  * theirs. The harness has the clock and the threads: a tracer is called with a few rays at a time,
  * by as many threads as OpenCL uses.
  *
- * No function may change the rays, the scene, or what others share: how floats are computed, locale,
- * signals, limits, processors, timers, environment, working folder, standard streams. None leaves
- * threads at work, or a process. Whoever does loses its row.
+ * No function may change the rays, the scene, or what others share: how floats are computed, the
+ * locale, signals, limits, processors, timers, the environment, the working folder, standard
+ * streams. None leaves threads at work, or a process. Whoever does loses its row.
  *
  * A tracer is one constant struct, `const bb_tracer bb_tracer_NAME`, in tracers/NAME/NAME.c (or
  * .cpp); CMake finds the folder. Outside this tree, `bvhbench_add_tracer(NAME)` makes a shared
@@ -66,8 +66,8 @@ struct bb_tracer {
      * what the parameters ask for. Required. */
     bb_status (*create)(const bb_tracer_context *context, void **self);
 
-    /* Builds from the scene's arrays to what trace() needs, in bb_phase() spans. Called many times on
-     * the same object, and each builds anew. Timed, together with a few rays that trace() must
+    /* Builds from the scene's arrays to what trace() needs, in bb_phase() spans. Called many times
+     * on the same object, and each builds anew. Timed, together with a few rays that trace() must
      * answer right after it as it will later. Required. */
     bb_status (*build)(void *self, bb_phases *phases);
 

@@ -15,17 +15,17 @@ bb_status bb_tracing_create(bb_device *device, const char *text, const bb_scene 
                             bb_tracing **out);
 void bb_tracing_destroy(bb_tracing *tracing); /* NULL is allowed */
 
-/* Builds anew, and traces a few rays within the clock, which must be answered alike later. `phases`
- * gets the tracer's; the time by the device's clock is their sum and that of the rays. */
+/* Builds anew, and traces a few rays within the clock, which must be answered alike later.
+ * `phases` gets the tracer's; the time by the device's clock is their sum and that of the rays. */
 bb_status bb_tracing_build(bb_tracing *tracing, bb_build_timing *timing, bb_phases *phases);
 
-/* Rays are passed as `spec` says from now on, not timed: whether the tracer can. If it dies, `whose`
- * row is lost. */
+/* Rays are passed as `spec` says from now on, not timed: whether the tracer can. If it dies,
+ * `whose` row is lost. */
 bb_status bb_tracing_pass(bb_tracing *tracing, bb_guarded whose, const bb_spec *spec);
 
-/* Traces on all threads; `pass` says how rays are passed, within the clock (NULL: as before). If the
- * tracer dies, `whose` row is lost. The time by the device's clock is that of the threads, from the
- * first that began to the last that ended. BB_FAILED also if answers are written after it. */
+/* Traces on all threads; `pass` says how rays are passed, within the clock (NULL: as before). If
+ * the tracer dies, `whose` row is lost. The time by the device's clock is that of the threads, from
+ * the first that began to the last that ended. BB_FAILED also if answers are written after it. */
 bb_status bb_tracing_trace(bb_tracing *tracing, bb_guarded whose, const bb_spec *pass,
                            const bb_ray *rays, uint32_t count, bool any, bb_hit *hits,
                            bb_timing *timing);

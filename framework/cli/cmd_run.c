@@ -59,7 +59,8 @@ static const bb_cli_option options[] = {
      .apart = "scene|builder|kernel|rays|intersector|size|max-rays|seed"},
     BB_GROUP(bb_device_options, comparison, device),
     {"size", "WxH",
-     "image size for primary rays; default: 512x512, or 256x256 if nothing is chosen",
+     "image size for primary rays; default: 512x512, or 256x256 from two views per scene if "
+     "nothing is chosen",
      BB_INTO_SIZE(comparison, request.width)},
     {"max-rays", "N",
      "most rays per scene of a workload that samples; default: 1048576, or 65536 if nothing is "
@@ -146,7 +147,7 @@ static void choose_sizes(comparison *c, uint32_t device)
         request->max_rays = many ? 1 << 20 : 1 << 16;
     if (request->width == 0)
         request->width = request->height = few ? 256 : 512;
-    request->max_views = c->quick ? 1 : 0;
+    request->max_views = c->quick ? 1 : c->telling ? 2 : 0;
 }
 
 /* `none` of the rays: no workloads, and no kernels but those that were asked for, whose layouts are

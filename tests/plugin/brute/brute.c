@@ -19,7 +19,8 @@ static const bb_option options[] = {
     {NULL, NULL, NULL, NULL},
 };
 
-/* More rays than the harness traces with a build: what breaks a promise in trace() waits for them. */
+/* More rays than the harness traces with a build: what breaks a promise in trace() waits for
+ * them. */
 enum { SOME = 100 };
 
 typedef struct brute {
