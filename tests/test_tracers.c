@@ -92,6 +92,8 @@ static void what_it_breaks_costs_its_row(void **state)
         {"late", "traces", "failed", "wrote answers after trace() had returned", 1},
         {"lazy", "builds", "failed", "answers otherwise later than right after build()", 1},
         {"floats", "traces", "failed", "changed the rounding mode in trace()", 1},
+        {"remembers", "traces", "failed", "it remembers answers: of rays that it had not", 1},
+        {"remembers-well", "traces", "failed", "it remembers answers: of 4 sets of rays", 1},
         {"scene-last", "builds", "ok", "", 0},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {

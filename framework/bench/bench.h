@@ -40,6 +40,7 @@ typedef struct bb_bench_request {
     uint32_t max_rays;      /* most rays per scene, for workloads that sample */
     uint32_t max_views;     /* most views per scene for rays that are made per view; 0: all */
     uint32_t repeats;       /* counting rounds, after a discarded one */
+    bool apart;             /* as bb_bench_is_apart() says, on any scene */
     uint64_t seed;
     char *const *metrics; /* names of metrics of trees, besides those that are always measured */
     uint32_t metric_count;

@@ -427,6 +427,8 @@ static bb_status take_layout_turn(void *self, uint32_t who, uint32_t round, doub
 
 static bb_status measure_layouts(bb_bench *bench)
 {
+    if (bench->apart)
+        return BB_OK;
     bb_turns turns = {.device = bench->device,
                       .random = &bench->random,
                       .count = bench->entrant_count,
@@ -435,6 +437,17 @@ static bb_status measure_layouts(bb_bench *bench)
     for (uint32_t round = 0; round < bench->request->repeats && !bb_interrupted(); round++)
         BB_TRY(bb_turns_round(&turns, round));
     return BB_OK;
+}
+
+/* Measures an entrant's layouts in one go, and frees its tree, so that no more than one stands
+ * beside all layouts. */
+static void measure_layouts_apart(bb_bench *bench, bb_entrant *entrant)
+{
+    double unused;
+    const uint32_t who = (uint32_t)(entrant - bench->entrants);
+    for (uint32_t round = 0; round < bench->request->repeats && !bb_interrupted(); round++)
+        (void)take_layout_turn(bench, who, round, &unused);
+    (void)bb_resident_free_tree(entrant->resident);
 }
 
 /* Rays are traced through layouts: a tree, and all that its builder holds, has served. */
@@ -530,6 +543,8 @@ static bb_status finish_builder(bb_bench *bench, bb_entrant *entrant, bool own)
     if (resident->instance.tree.place == BB_ON_DEVICE)
         bb_tree_drop_copy(&resident->instance.tree);
     make_layouts(bench, entrant);
+    if (bench->apart)
+        measure_layouts_apart(bench, entrant);
     return BB_OK;
 }
 
@@ -537,6 +552,8 @@ bb_status bb_bench_builds(bb_bench *bench)
 {
     const bool own = bb_bench_owns_builds(bench);
     bench->traces = false;
+    bench->apart =
+        bench->request->apart || bb_bench_is_apart(bench->request, bench->scene->prim_count);
     const uint32_t phase_builds = own && !bench->request->lean ? PHASE_BUILDS : 0;
     uint32_t rounds = own ? bench->request->repeats + 1 : 1;
     bb_progress_stage(bench->progress, bench->entrant_count * (rounds + phase_builds),

@@ -6,6 +6,14 @@
 #include <string.h>
 #include <xxhash.h>
 
+void bb_trace_note_failure(bb_traced_cell *c, bb_status status)
+{
+    if (bb_interrupted())
+        return;
+    c->record.status = status;
+    snprintf(c->record.reason, sizeof c->record.reason, "%s", bb_message());
+}
+
 /* ---- one measurement ---- */
 
 /* Returns a pass through the bench's buffers. */

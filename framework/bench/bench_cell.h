@@ -39,6 +39,9 @@ typedef struct bb_trace_set {
 /* Returns what would be missing if the cell's trace died. */
 bb_guarded bb_trace_guarded(const bb_trace_record *r);
 
+/* Records a failure, unless it failed because the run was interrupted. */
+void bb_trace_note_failure(bb_traced_cell *c, bb_status status);
+
 /* Uploads rays [from, from + count), unless they are on the device already. */
 bb_status bb_trace_load(bb_trace_set *set, uint32_t from, uint32_t count);
 
@@ -51,5 +54,10 @@ bb_status bb_trace_once(bb_trace_set *set, bb_traced_cell *c, bb_timing *timing)
 bb_status bb_trace_judge(bb_trace_set *set, bb_traced_cell *c);
 /* Counts tests per ray on a sample; none of a reference. */
 bb_status bb_trace_count(bb_trace_set *set, bb_traced_cell *c);
+
+/* After all rounds: has each tracer that is a plug-in trace rays that it has not seen. Whoever
+ * answers them wrong, or took more than 1.5 times its slowest round for each of four such sets,
+ * fails ("it remembers answers"; bench_unseen_rays.c). */
+bb_status bb_trace_unseen(bb_trace_set *set);
 
 #endif

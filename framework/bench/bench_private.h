@@ -89,6 +89,7 @@ typedef struct bb_bench {
     bb_progress *progress;
     uint32_t batch; /* rays per launch */
     bool traces;    /* layouts are measured: trees are freed as soon as they have served */
+    bool apart;     /* layouts are measured entrant by entrant: bb_bench_is_apart() */
     /* bytes booked while no ray set is on the host, so that there is room for a launch's rays */
     uint64_t kept_for_rays;
     bb_bench_outcome *outcome;
@@ -154,6 +155,11 @@ uint32_t bb_bench_cells_of_set(const bb_bench *bench);
 
 /* Returns the rays of the largest set. */
 uint64_t bb_bench_most_rays(const bb_bench_request *request);
+
+/* Returns whether trees and layouts of so many primitives are too large to stand beside each other:
+ * then all layouts of an entrant are measured in one go, and its tree is freed, before the next
+ * entrant's turn. */
+bool bb_bench_is_apart(const bb_bench_request *request, uint32_t prims);
 
 /* Returns the index of the layout that the kernel reads with this intersector. */
 uint32_t bb_bench_layout_of(const bb_bench *bench, uint32_t kernel,

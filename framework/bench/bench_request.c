@@ -42,6 +42,12 @@ bb_status bb_bench_check(const bb_bench_request *request)
     return BB_OK;
 }
 
+bool bb_bench_is_apart(const bb_bench_request *request, uint32_t prims)
+{
+    const uint64_t together = 1 << 24; /* primitives of all builders: about 3 GB */
+    return (uint64_t)prims * request->builder_count > together;
+}
+
 /* Counts all kernels, although some trees may not need all of them. */
 uint32_t bb_bench_cells_of_set(const bb_bench *bench)
 {

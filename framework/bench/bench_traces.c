@@ -9,15 +9,6 @@
 /* Primitive tests that a tree of one leaf (brute force) is allowed per set. */
 static const double brute_force_tests = 1e9;
 
-/* Records a failure, unless it failed because the run was interrupted. */
-static void note_failure(bb_traced_cell *c, bb_status status)
-{
-    if (bb_interrupted())
-        return;
-    c->record.status = status;
-    snprintf(c->record.reason, sizeof c->record.reason, "%s", bb_message());
-}
-
 /* Returns the cell's parts as in its record. A tracer has no kernel and no intersector. */
 static bb_cell_parts cell_of(const bb_trace_set *set, const bb_traced_cell *c)
 {
@@ -160,7 +151,7 @@ static bb_status take_turn(void *self, uint32_t who, uint32_t round, double *ms)
         status = bb_trace_judge(set, c);
     }
     if (status != BB_OK)
-        note_failure(c, status);
+        bb_trace_note_failure(c, status);
     c->record.warm_rounds += warming;
     return BB_OK;
 }
@@ -188,7 +179,7 @@ static bb_status record_cell(bb_trace_set *set, bb_traced_cell *c)
     if (r->status == BB_OK && !bb_interrupted()) {
         bb_status status = bb_trace_count(set, c);
         if (status != BB_OK)
-            note_failure(c, status);
+            bb_trace_note_failure(c, status);
     }
     r->wrong = r->has_accuracy && r->accuracy.wrong_ppm > bench->request->max_wrong_ppm;
     bool failed = strcmp(bb_status_word(r->status), "failed") == 0;
@@ -217,9 +208,11 @@ bb_status bb_bench_traces(bb_bench *bench, bb_rays *rays)
             continue;
         bb_status prepared = bb_trace_prepare(&set, &set.cells[i]);
         if (prepared != BB_OK)
-            note_failure(&set.cells[i], prepared);
+            bb_trace_note_failure(&set.cells[i], prepared);
     }
     status = run_rounds(&set, rounds);
+    if (status == BB_OK && !bench->request->lean)
+        status = bb_trace_unseen(&set);
     step = bb_bench_begin(bench);
     for (uint32_t i = 0; i < set.count && status == BB_OK; i++)
         status = record_cell(&set, &set.cells[i]);

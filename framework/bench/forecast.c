@@ -39,6 +39,7 @@ static const struct {
     {"compile, allocate, first builds", WITH_PRIMS},
     {"prepare, restore, warm up", WITH_PRIMS | WITH_ROUNDS},
     {"unseen inputs", WITH_PRIMS},
+    {"unseen rays", WITH_RAYS},
     {"builds for phase times", WITH_PRIMS},
     {"check trees, SAH", WITH_PRIMS},
     {"transfers", WITH_PRIMS},
@@ -119,10 +120,11 @@ bb_bench_request bb_bench_thrifty(const bb_bench_request *request, uint32_t thri
 
 /* ---- the small comparison ---- */
 
-static bb_bench_request small_request(const bb_bench_request *of, bb_scene *sample,
-                                      char *const *text)
+static bb_bench_request small_request(const bb_bench_request *of, const bb_scene *scene,
+                                      bb_scene *sample, char *const *text)
 {
     bb_bench_request small = *of;
+    small.apart = bb_bench_is_apart(of, scene->prim_count);
     small.scenes = text;
     small.scene_count = 1;
     small.scene = sample;
@@ -242,7 +244,7 @@ bb_status bb_bench_forecast(const bb_bench_request *request, const bb_scene *sce
     for (uint32_t t = 0; t < BB_THRIFTS; t++)
         forecast->seconds[t] = NAN;
     BB_TRY(bb_scene_sample(scene, most, &sample));
-    const bb_bench_request small = small_request(request, sample, &name);
+    const bb_bench_request small = small_request(request, scene, sample, &name);
     double bytes = 0;
     bb_status status = run_small(&small, &results, &outcome, &bytes);
     if (status == BB_OK && !bb_interrupted()) {

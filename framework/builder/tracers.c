@@ -40,6 +40,14 @@ const bb_tracer *bb_tracer_find(const char *name)
     return NULL;
 }
 
+bool bb_tracer_is_builtin(const bb_tracer *tracer)
+{
+    for (uint32_t i = 0; i < builtin_count(); i++)
+        if (bb_builtin_tracers[i] == tracer)
+            return true;
+    return false;
+}
+
 const bb_tracer *bb_tracer_of(const char *text)
 {
     char name[64];

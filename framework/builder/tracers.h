@@ -15,6 +15,8 @@ uint32_t bb_tracer_count(void);
 const bb_tracer *bb_tracer_at(uint32_t index);
 const bb_tracer *bb_tracer_find(const char *name); /* NULL if there is none */
 
+bool bb_tracer_is_builtin(const bb_tracer *tracer);
+
 /* Returns the tracer that a specification names, whatever its parameters; NULL: it names none. */
 const bb_tracer *bb_tracer_of(const char *text);
 

@@ -13,7 +13,7 @@
 static const bb_option options[] = {
     {"kind", "right",
      "right|blind|crashes|crashes-early|hangs|fewer|rays|scene|scene-last|threads|greedy|fails|"
-     "fails-late|lacks|lacks-late|late|lazy|floats",
+     "fails-late|lacks|lacks-late|late|lazy|floats|remembers|remembers-well",
      "what it does"},
     {"pace", "one", "one|two", "says how rays are passed, which changes nothing"},
     {NULL, NULL, NULL, NULL},
@@ -28,6 +28,7 @@ typedef struct brute {
     float *copy; /* of the vertices */
     uint64_t bytes;
     bool worker;
+    struct memory *memories;
     atomic_bool built;
 } brute;
 
@@ -202,6 +203,46 @@ static bb_status answer_behind(const brute *b, const bb_ray *rays, uint32_t coun
     return BB_OK;
 }
 
+/* What it was asked, and how it answered. */
+typedef struct memory {
+    struct memory *next;
+    const bb_ray *at; /* where the rays were */
+    bb_ray first;
+    uint32_t count;
+    bool any;
+    bb_hit hits[];
+} memory;
+
+static memory *remember(const brute *b, const bb_ray *rays, uint32_t count, bool any)
+{
+    for (memory *m = b->memories; m != NULL; m = m->next)
+        if (m->at == rays && m->count == count && m->any == any &&
+            (is(b, "remembers") || memcmp(&m->first, rays, sizeof m->first) == 0))
+            return m;
+    return NULL;
+}
+
+/* Takes its time for what it does not remember. */
+static bb_status answer_by_memory(brute *b, const bb_ray *rays, uint32_t count, bool any,
+                                  bb_hit *hits)
+{
+    static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+    pthread_mutex_lock(&lock);
+    memory *m = remember(b, rays, count, any);
+    if (m == NULL) {
+        m = malloc(sizeof *m + count * sizeof *hits);
+        if (m == NULL)
+            abort();
+        *m = (memory){b->memories, rays, rays[0], count, any};
+        toil_for(0.005);
+        answer(b, rays, count, m->hits);
+        b->memories = m;
+    }
+    memcpy(hits, m->hits, count * sizeof *hits);
+    pthread_mutex_unlock(&lock);
+    return BB_OK;
+}
+
 static bb_status trace(void *self, const bb_ray *rays, uint32_t count, bool any, bb_hit *hits)
 {
     brute *b = self;
@@ -217,6 +258,8 @@ static bb_status trace(void *self, const bb_ray *rays, uint32_t count, bool any,
         return bb_fail(BB_FAILED, "brute: cannot trace");
     if (many && is(b, "late"))
         return answer_behind(b, rays, count, hits);
+    if (many && (is(b, "remembers") || is(b, "remembers-well")))
+        return answer_by_memory(b, rays, count, any, hits);
     if (many && is(b, "rays"))
         ((bb_ray *)rays)[0].o[0] += 1;
     if (many && is(b, "floats"))
@@ -247,6 +290,10 @@ static void destroy(void *self)
     brute *b = self;
     if (is(b, "scene-last"))
         b->c->scene->vertices[0] += 1;
+    for (memory *m = b->memories, *next; m != NULL; m = next) {
+        next = m->next;
+        free(m);
+    }
     free(b->copy);
     free(b);
 }
