@@ -6,13 +6,13 @@
 # the headers NAME_shared.h that host and device share. With INTO, the builder becomes part of that
 # library; without, a shared object NAME.so for `bvhbench --plugin`. The sources are the same for
 # both: they define `const bb_builder bb_builder_NAME`, with '_' for each '-' of the name.
-
 #
 #   bvhbench_add_tracer(NAME [SOURCE_DIR dir] [INTO target])
 #
 # The same for a tracer: all .c and .cpp files of the folder, which define
-# `const bb_tracer bb_tracer_NAME`; C++ is C++20. Its target is NAME: add a library's include folders
-# and flags to it.
+# `const bb_tracer bb_tracer_NAME`; in C++, which is C++20, `extern "C" const bb_tracer ...`: a
+# constant is seen by its own file alone otherwise. Its target is NAME: add a library's include
+# folders and flags to it.
 
 set(BVHBENCH_CMAKE_DIR ${CMAKE_CURRENT_LIST_DIR})
 

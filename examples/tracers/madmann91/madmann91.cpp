@@ -6,7 +6,6 @@
 
 using namespace bvh::v2;
 using Builder = DefaultBuilder<Node<float, 3>>;
-using Vec3 = Vec<float, 3>;
 
 static const bb_option options[] = {
     {"quality", "high", "low|medium|high", "of DefaultBuilder: binned SAH, sweep SAH, reinsertion"},
@@ -15,29 +14,37 @@ static const bb_option options[] = {
 };
 
 struct Tracer {
-    const bb_tracer_context *c;
+    const bb_scene *scene;
     ThreadPool pool;
+    bool robust = true;
     Builder::Config config = {};
-    std::vector<Tri<float, 3>> input = {};
     std::vector<PrecomputedTri<float>> triangles = {}; // in the order of the leaves
     Bvh<Node<float, 3>> bvh = {};
 
+    Tri<float, 3> triangle(uint32_t i) const
+    {
+        const float *a = bb_scene_vertex(scene, i, 0), *b = bb_scene_vertex(scene, i, 1);
+        const float *c = bb_scene_vertex(scene, i, 2);
+        return {{a[0], a[1], a[2]}, {b[0], b[1], b[2]}, {c[0], c[1], c[2]}};
+    }
+
     void build()
     {
+        const size_t count = scene->prim_count;
         ParallelExecutor executor(pool);
-        std::vector<BBox<float, 3>> boxes(input.size());
-        std::vector<Vec3> centres(input.size());
-        executor.for_each(0, input.size(), [&](size_t begin, size_t end) {
-            for (size_t i = begin; i < end; i++) {
-                boxes[i] = input[i].get_bbox();
-                centres[i] = input[i].get_center();
+        std::vector<BBox<float, 3>> boxes(count);
+        std::vector<Vec<float, 3>> centres(count);
+        executor.for_each(0, count, [&](size_t i, size_t end) {
+            for (; i < end; i++) {
+                const Tri<float, 3> t = triangle((uint32_t)i);
+                boxes[i] = t.get_bbox(), centres[i] = t.get_center();
             }
         });
         bvh = Builder::build(pool, boxes, centres, config);
-        triangles.resize(input.size());
-        executor.for_each(0, input.size(), [&](size_t begin, size_t end) {
-            for (size_t i = begin; i < end; i++)
-                triangles[i] = input[bvh.prim_ids[i]];
+        triangles.resize(count);
+        executor.for_each(0, count, [&](size_t i, size_t end) {
+            for (; i < end; i++)
+                triangles[i] = triangle((uint32_t)bvh.prim_ids[i]);
         });
     }
 
@@ -48,34 +55,32 @@ struct Tracer {
             const bb_ray &r = rays[n];
             Ray<float, 3> ray({r.o[0], r.o[1], r.o[2]}, {r.d[0], r.d[1], r.d[2]}, r.tmin, r.tmax);
             SmallStack<Node<float, 3>::Index, 64> stack; // as in its examples
-            hits[n] = {INFINITY, BB_NONE};
+            size_t nearest = SIZE_MAX;                   // place in `triangles`
             bvh.intersect<Any, Robust>(ray, bvh.get_root().index, stack, [&](size_t i, size_t end) {
                 for (; i < end; i++)
                     if (auto hit = triangles[i].intersect(ray)) {
                         ray.tmax = std::get<0>(*hit);
-                        hits[n] = {ray.tmax, (uint32_t)bvh.prim_ids[i]};
+                        nearest = i;
+                        if (Any)
+                            return true;
                     }
-                return hits[n].prim != BB_NONE;
+                return false;
             });
+            const bool hit = nearest != SIZE_MAX;
+            hits[n] = {hit ? ray.tmax : INFINITY, hit ? (uint32_t)bvh.prim_ids[nearest] : BB_NONE};
         }
     }
 };
 
 static bb_status create(const bb_tracer_context *c, void **self)
 {
-    Tracer *t = new Tracer{.c = c, .pool = ThreadPool(c->threads)};
+    Tracer *t = new Tracer{c->scene, ThreadPool(c->threads)};
     *self = t;
+    t->robust = bb_spec_is(c->spec, c->options, "mode", "robust");
     if (bb_spec_is(c->spec, c->options, "quality", "low"))
         t->config.quality = Builder::Quality::Low;
     else if (bb_spec_is(c->spec, c->options, "quality", "medium"))
         t->config.quality = Builder::Quality::Medium;
-    for (uint32_t i = 0; i < c->scene->prim_count; i++) {
-        const auto corner = [=](uint32_t k) {
-            const float *v = bb_scene_vertex(c->scene, i, k);
-            return Vec3(v[0], v[1], v[2]);
-        };
-        t->input.emplace_back(corner(0), corner(1), corner(2));
-    }
     return BB_OK;
 }
 
@@ -88,7 +93,7 @@ static bb_status build(void *self, bb_phases *)
 static bb_status trace(void *self, const bb_ray *rays, uint32_t count, bool any, bb_hit *hits)
 {
     const Tracer *t = static_cast<const Tracer *>(self);
-    if (bb_spec_is(t->c->spec, t->c->options, "mode", "robust"))
+    if (t->robust)
         any ? t->trace<true, true>(rays, count, hits) : t->trace<false, true>(rays, count, hits);
     else
         any ? t->trace<true, false>(rays, count, hits) : t->trace<false, false>(rays, count, hits);
@@ -101,20 +106,15 @@ static void destroy(void *self)
 }
 
 extern "C" const bb_tracer bb_tracer_madmann91 = {
-    BB_TRACER_ABI_VERSION,
-    "madmann91",
-    "bvh by Pérard-Gayot, version 2: binary BVHs, scalar code",
-    "Meister and Bittner 2018 (reinsertion); Ize 2013 (robust)",
-    BB_TRIANGLES,
-    options,
-    nullptr,
-    "mode",
-    nullptr,
-    nullptr,
-    create,
-    build,
-    nullptr,
-    trace,
-    nullptr,
-    nullptr,
-    destroy};
+    .abi_version = BB_TRACER_ABI_VERSION,
+    .name = "madmann91",
+    .summary = "bvh by Pérard-Gayot, version 2: binary BVHs, scalar code",
+    .paper = "Meister and Bittner 2018 (reinsertion); Ize 2013 (robust)",
+    .kinds = BB_TRIANGLES,
+    .options = options,
+    .exactness = "mode",
+    .create = create,
+    .build = build,
+    .trace = trace,
+    .destroy = destroy,
+};
