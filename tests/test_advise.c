@@ -132,7 +132,7 @@ static void advice_as_text(void **state)
                                         "none wrong of 256 judged rays, below",
                                         "lbvh:bits=63",
                                         "stack=1024",
-                                        "8,064", /* more bytes for each ray in flight */
+                                        "7,168", /* more bytes for each ray in flight */
                                         "race: 1 configurations: 1 chosen.",
                                         "To measure the choice again\nbvhbench run --scene cube"};
     for (size_t i = 0; i < sizeof words / sizeof words[0]; i++)

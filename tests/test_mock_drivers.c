@@ -28,7 +28,7 @@ static void limits_of_nothing(void **state)
 static void small_buffers(void **state)
 {
     (void)state;
-    refuses(MOCK("MOCK_GPU_LARGEST=1"), RUN " --max-rays 1M",
+    refuses(MOCK("MOCK_GPU_LARGEST=1"), RUN " --rays random --max-rays 1M",
             ", the largest that Mock GPU allows is 1048576");
     assert_int_equal(counted("refused"), 0); /* our own account knows */
 }

@@ -21,6 +21,7 @@ static bb_status make_rays(bb_bench *bench, const bb_rays *from, bb_rays *rays)
     *rays = *from;
     rays->must_hit = false;
     rays->width = rays->height = 0;
+    rays->rays = NULL;
     memset(&rays->on_device, 0, sizeof rays->on_device);
     BB_TRY(bb_host_alloc(NULL, from->count * sizeof *rays->rays, "unseen rays", &rays->rays));
     for (uint32_t i = 0; i < from->count; i++) {

@@ -11,8 +11,8 @@
  *
  * A tracer is one constant struct, `const bb_tracer bb_tracer_NAME`, in tracers/NAME/NAME.c (or
  * .cpp, where it needs `extern "C"`); CMake finds the folder. Outside this tree,
- * `bvhbench_add_tracer(NAME)` makes a shared object of the same file, which exports `bb_plugin`: see
- * BB_TRACER_PLUGIN.
+ * `bvhbench_add_tracer(NAME)` makes a shared object of the same file, which exports `bb_plugin`:
+ * see BB_TRACER_PLUGIN.
  */
 #ifndef BB_TRACER_H
 #define BB_TRACER_H
