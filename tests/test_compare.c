@@ -3,6 +3,7 @@
 
 #include "framework/compare/figures.h"
 #include "framework/report/report_compare.h"
+#include "framework/report/report_junit.h"
 
 /* The comparison of the sample with an edited one, as text. */
 static bb_comparison_result compare_with(edit_fn *edit, char *text, size_t capacity, bool github)
@@ -24,6 +25,50 @@ static bb_comparison_result compare_with(edit_fn *edit, char *text, size_t capac
     ASSERT_OK(bb_report_compare(&result, github, out));
     fclose(out);
     return result;
+}
+
+static uint32_t occurrences(const char *text, const char *word)
+{
+    uint32_t count = 0;
+    for (const char *at = text; (at = strstr(at, word)) != NULL; at += strlen(word))
+        count++;
+    return count;
+}
+
+/* Each cell is a test; those that are worse or missing fail, as the exit status counts them. */
+static void cells_are_tests_for_ci(void **state)
+{
+    (void)state;
+    static const struct {
+        edit_fn *edit;
+        uint32_t failures;
+        const char *words;
+    } cases[] = {
+        {edit_nothing, 0, "<skipped message=\"a reference does not count\"/>"},
+        {edit_sah, 1, "<failure message=\"sah: 97.3, then 99.25, ratio 1.020\">"},
+        {edit_slower, 1, "<failure message=\"trace ms: "},
+        {edit_faster, 0, "<testcase"},
+        {edit_failed, 1, "<failure message=\"status: ok, then failed\">"},
+        {edit_slower_reference, 0, "<testcase"},
+        {edit_gone, 1, "<failure message=\"the cell is missing\"/>"},
+        {edit_rays, 0, "<skipped message=\"not compared: another scene, or other rays\"/>"},
+    };
+    static char text[1 << 20], xml[1 << 20];
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        bb_comparison_result result = compare_with(cases[i].edit, text, sizeof text, false);
+        memset(xml, 0, sizeof xml);
+        FILE *out = fmemopen(xml, sizeof xml - 1, "w");
+        assert_non_null(out);
+        ASSERT_OK(bb_report_junit(&result, out));
+        fclose(out);
+        char counted[40];
+        snprintf(counted, sizeof counted, " failures=\"%u\"", cases[i].failures);
+        if (strstr(xml, counted) == NULL || strstr(xml, cases[i].words) == NULL)
+            fail_msg("case %zu: no %s, or no %s in %.2000s", i, counted, cases[i].words, xml);
+        assert_int_equal(occurrences(xml, "<failure"), cases[i].failures);
+        assert_int_equal(occurrences(xml, "<testcase"), occurrences(xml, "</testcase>"));
+        bb_compare_free(&result);
+    }
 }
 
 /* Edits; what is worse afterwards; words of the text. */
@@ -437,6 +482,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_moved_and_what_is_worse),
+        cmocka_unit_test(cells_are_tests_for_ci),
         cmocka_unit_test(what_is_not_known_is_no_difference),
         cmocka_unit_test(only_runs_by_themselves_need_a_quiet_machine),
         cmocka_unit_test(cells_of_two_devices_do_not_meet),

@@ -60,6 +60,9 @@ static void files_are_compared(void **state)
     expect(1, "compare a.json slow.json", "1 figures are worse");
     expect(0, "compare slow.json a.json", "better: 1");
     expect(1, "compare a.json sah.json --format github", " | sah | 97.3 | 99.25 | 1.020 |");
+    expect(1, "compare a.json sah.json --format markdown", " | sah | 97.3 | 99.25 | 1.020 |");
+    expect(1, "compare a.json slow.json --format junit", " failures=\"1\"");
+    expect(0, "compare a.json b.json --format junit", " failures=\"0\"");
     expect(0, "compare a.json slow.json --threshold 60", "the 60.00 %: --threshold");
     expect(1, "compare a.json slow.json --threshold 40", "worse: 1");
     write_document("gone.json", edit_gone, 2);
@@ -76,7 +79,7 @@ static void files_are_compared(void **state)
     refuses("", "compare a.json", "give two: result files");
     refuses("", "compare a.json b.json a.json", "give two");
     refuses("", "compare a.json nothing.json", "nothing.json");
-    refuses("", "compare a.json b.json --format html", "must be text or github");
+    refuses("", "compare a.json b.json --format html", "must be text, github, markdown or junit");
     refuses("", "compare a.json b.json --threshold -1", "--threshold");
     refuses("", "compare a.json b.json --rounds 7", "--rounds needs --run");
     refuses("", "compare a.json b.json --history nowhere.db", "nowhere.db: cannot open it");

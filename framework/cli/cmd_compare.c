@@ -10,6 +10,7 @@
 #include "framework/compare/family.h"
 #include "framework/compare/history.h"
 #include "framework/report/report_compare.h"
+#include "framework/report/report_junit.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -50,8 +51,8 @@ static const bb_cli_option options[] = {
      "exit status 2, unless a slowing by this much, of wall and processor time alike, would have "
      "been found in each cell",
      BB_INTO(inputs, detect), .high = 1000},
-    {"format", NULL, "github: Markdown for a comment", BB_INTO(inputs, format),
-     .words = "text|github", .fallback = "text"},
+    {"format", NULL, "github, markdown: for a comment; junit: XML for CI, a test for each cell",
+     BB_INTO(inputs, format), .words = "text|github|markdown|junit", .fallback = "text"},
     {"quiet", NULL, "with --run: do not show progress", BB_INTO(inputs, quiet), .with = "run"},
     {.name = NULL},
 };
@@ -94,6 +95,13 @@ static bb_status check_sights(const inputs *in, const bb_comparison_result *r)
                    in->programs ? "--rounds" : "--repeats of run");
 }
 
+static bb_status print(const inputs *in, const bb_comparison_result *result)
+{
+    enum { TEXT, GITHUB, MARKDOWN, JUNIT }; /* the words of --format */
+    return in->format == JUNIT ? bb_report_junit(result, stdout)
+                               : bb_report_compare(result, in->format != TEXT, stdout);
+}
+
 static bb_status report(inputs *in, const bb_floor *floor, int *exit_status)
 {
     bb_comparison_result result;
@@ -102,7 +110,7 @@ static bb_status report(inputs *in, const bb_floor *floor, int *exit_status)
     if (status == BB_OK)
         status = check_compared(&result);
     if (status == BB_OK)
-        status = bb_report_compare(&result, in->format != 0, stdout);
+        status = print(in, &result);
     const bool worse = result.worse + result.missing > 0;
     *exit_status = worse ? BB_EXIT_WRONG : BB_EXIT_OK;
     if (status == BB_OK && !worse)

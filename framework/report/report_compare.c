@@ -12,8 +12,7 @@ enum {
     SIGHTS_MAX = 5, /* blindest cells */
 };
 
-/* Writes both values with four digits, or with more if they would look equal. */
-static void print_figures(double from, double to, char texts[2][40])
+void bb_compare_figures(double from, double to, char texts[2][40])
 {
     const double values[] = {from, to};
     for (int i = 0; i < 2; i++)
@@ -152,7 +151,7 @@ static void add_move(bb_page *page, const bb_change *m)
                                .low = m->timed ? m->effect.low : (double)NAN,
                                .high = m->timed ? m->effect.high : (double)NAN};
     const bool status = strcmp(m->what, "status") == 0;
-    print_figures(m->from, m->to, texts);
+    bb_compare_figures(m->from, m->to, texts);
     bb_cell_key_short(m->before->key, cell);
     strcat(cell, m->counts ? "" : " (reference: does not count)");
     bb_page_put_text(page, cell);

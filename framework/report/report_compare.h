@@ -6,6 +6,9 @@
 
 #include <stdio.h>
 
+/* Writes both values with four digits, or with more if they would look equal. */
+void bb_compare_figures(double from, double to, char texts[2][40]);
+
 /* Prints the origin of both sides, the floor, moved cells (worst first), cells on one side only,
  * and other reasons why cells are not compared. `github`: as Markdown. */
 bb_status bb_report_compare(const bb_comparison_result *result, bool github, FILE *out);

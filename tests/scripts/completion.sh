@@ -67,7 +67,7 @@ expect 'bvhbench run --intersector exact,mo' exact,moeller
 expect 'bvhbench run --quiet --sce' --scene
 expect 'bvhbench report roo' room.glb
 expect 'bvhbench compare --fo' --format
-expect 'bvhbench compare --format ' text github
+expect 'bvhbench compare --format ' text github markdown junit
 expect 'bvhbench compare --format=gi' github
 expect 'bvhbench run --handover l' levels
 expect 'bvhbench slice --axis ' x y z
