@@ -186,6 +186,26 @@ static const char *plant_change(size_t command)
     return name;
 }
 
+static uint32_t lines_of(const char *text)
+{
+    uint32_t lines = 0;
+    for (; *text != '\0'; text++)
+        lines += *text == '\n';
+    return lines;
+}
+
+/* The rounds of all times in the file. */
+static uint32_t rounds_of(const char *path)
+{
+    uint32_t rounds = 0;
+    cJSON *json = read_json(path);
+    const cJSON *row, *value;
+    cJSON_ArrayForEach(row, cJSON_GetObjectItem(json, "rows")) cJSON_ArrayForEach(value, row)
+        rounds += cJSON_IsArray(value) ? (uint32_t)cJSON_GetArraySize(value) : 0;
+    cJSON_Delete(json);
+    return rounds;
+}
+
 /* Merged with its changed copy, a file has the rows of both, and the second run is numbered. */
 static void expect_merged(size_t command)
 {
@@ -213,6 +233,9 @@ static void expect_merged(size_t command)
     expect(0, arguments, "nothing is worse"); /* the first run is as it was */
     snprintf(arguments, sizeof arguments, "report %s --csv", file);
     expect(0, arguments, "run");
+    snprintf(arguments, sizeof arguments, "report %s --samples", file);
+    const outcome *o = expect(0, arguments, ",figure,unit,round,value\r\n");
+    assert_int_equal(lines_of(o->out), 1 + rounds_of(file));
     static const char *const forms[] = {"table", "markdown"};
     for (int form = 0; form < 2; form++) {
         snprintf(arguments, sizeof arguments, "report %s --%s", file, forms[form]);

@@ -19,7 +19,7 @@
 
 typedef struct wanted {
     const char *out, *history;
-    bool table, markdown, google_benchmark, csv;
+    bool table, markdown, google_benchmark, csv, samples;
     uint32_t charts;
 } wanted;
 
@@ -27,13 +27,15 @@ static const bb_cli_option options[] = {
     {"out", "FILE.html", "where to write the report; default: report.html beside the first input",
      BB_INTO(wanted, out)},
     {"history", "DB", "instead of files, report a database of runs: each cell over the revisions",
-     BB_INTO(wanted, history), .apart = "table|markdown|google-benchmark|csv|charts"},
+     BB_INTO(wanted, history), .apart = "table|markdown|google-benchmark|csv|samples|charts"},
     {"table", NULL, "print the full tables; write no report unless --out is given",
      BB_INTO(wanted, table)},
     {"markdown", NULL, "the same, with the summary as Markdown", BB_INTO(wanted, markdown)},
     {"google-benchmark", NULL, "the same, with all rounds in the JSON of Google Benchmark",
      BB_INTO(wanted, google_benchmark)},
     {"csv", NULL, "the same, with all traces as comma-separated values", BB_INTO(wanted, csv)},
+    {"samples", NULL, "the same, with one line for each round of each time: tidy, for pandas or R",
+     BB_INTO(wanted, samples)},
     BB_CHARTS_OPTION(wanted, charts),
     {.name = NULL},
 };
@@ -78,6 +80,7 @@ static bb_status print(const wanted *w, bb_results *results)
     return w->table              ? bb_report_table(results, stdout)
            : w->markdown         ? bb_report_markdown(results, stdout)
            : w->csv              ? bb_report_csv(results, stdout)
+           : w->samples          ? bb_report_samples(results, stdout)
            : w->google_benchmark ? bb_report_benchmark(results, stdout)
                                  : bb_report_verdict(results, stdout);
 }
@@ -160,6 +163,7 @@ static bb_status report_table(const bb_cli *cli, const wanted *w, const char *pa
         BB_TRY(bb_out_file(w->out, "report"));
     return bb_report_table_file(path,
                                 w->csv        ? BB_TABLE_CSV
+                                : w->samples  ? BB_TABLE_SAMPLES
                                 : w->markdown ? BB_TABLE_MARKDOWN
                                 : w->table    ? BB_TABLE_TEXT
                                               : BB_TABLE_PAGE,
@@ -179,7 +183,7 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
             return report_table(cli, w, cli->positional[i]);
     bb_results *all = NULL;
     char *folder = NULL, beside[PATH_MAX];
-    const bool only = w->table || w->markdown || w->csv || w->google_benchmark;
+    const bool only = w->table || w->markdown || w->csv || w->samples || w->google_benchmark;
     BB_TRY(bb_charts_decide(&w->charts));
     BB_TRY(bb_inputs_once(cli));
     if (w->out != NULL)

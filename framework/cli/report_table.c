@@ -28,9 +28,8 @@ static const bb_page_outline *outline_of(const bb_table *table)
     return NULL;
 }
 
-static bb_status print_csv(const bb_table *table)
+static bb_status print_text(char *text)
 {
-    char *text = bb_table_csv(table);
     if (text == NULL)
         return bb_fail(BB_REFUSED, "report: no memory");
     bb_print_calm_lines(text, stdout); /* a terminal, too, may show it */
@@ -75,7 +74,9 @@ static bb_status print(const bb_table *table, bb_table_form form)
 {
     bb_page *page;
     if (form == BB_TABLE_CSV)
-        return print_csv(table);
+        return print_text(bb_table_csv(table));
+    if (form == BB_TABLE_SAMPLES)
+        return print_text(bb_table_samples(table));
     BB_TRY(make_page(table, &page));
     if (form == BB_TABLE_MARKDOWN)
         bb_page_markdown(page, stdout);

@@ -14,6 +14,9 @@ bb_status bb_report_verdict(const bb_results *results, FILE *out);
 bb_status bb_report_markdown(const bb_results *results, FILE *out);
 bb_status bb_report_csv(const bb_results *results, FILE *out);
 
+/* One line for each round of each time (bb_table_samples()). */
+bb_status bb_report_samples(const bb_results *results, FILE *out);
+
 /* All rounds of builds and traces that count, as Google Benchmark writes its results (JSON). */
 bb_status bb_report_benchmark(const bb_results *results, FILE *out);
 

@@ -66,6 +66,21 @@ static void put_trace(const line *l, const bb_entry *trace)
         put(l, "tree_", bb_metrics[i]->name, NULL, bb_get_metric(build, bb_metrics[i]));
 }
 
+/* `text` is from malloc, or NULL for lack of memory. */
+static bb_status print(char *text, FILE *out)
+{
+    if (text == NULL)
+        return bb_fail(BB_REFUSED, "report: no memory");
+    bb_print_calm_lines(text, out); /* a terminal, too, may show it */
+    free(text);
+    return ferror(out) ? bb_fail(BB_FAILED, "cannot write the table") : BB_OK;
+}
+
+bb_status bb_report_samples(const bb_results *results, FILE *out)
+{
+    return print(bb_table_samples(bb_results_table(results)), out);
+}
+
 bb_status bb_report_csv(const bb_results *results, FILE *out)
 {
     const bb_table *from = bb_results_table(results);
@@ -81,9 +96,5 @@ bb_status bb_report_csv(const bb_results *results, FILE *out)
     if (bb_table_status(l.table) == BB_OK)
         text = bb_table_csv(l.table);
     bb_table_free(l.table);
-    if (text == NULL)
-        return bb_fail(BB_REFUSED, "report: no memory");
-    bb_print_calm_lines(text, out); /* a terminal, too, may show it */
-    free(text);
-    return ferror(out) ? bb_fail(BB_FAILED, "cannot write the table") : BB_OK;
+    return print(text, out);
 }

@@ -174,4 +174,8 @@ bool bb_table_is_other(const char *path, const char *command);
  * row. Rounds become three columns: NAME, the median, and NAME.low and NAME.high, its interval. */
 char *bb_table_csv(const bb_table *table);
 
+/* The same with one line for each round ("tidy"): the names of the row, then figure, unit, round
+ * and value. Round 0 is the one that does not count, if there are others. */
+char *bb_table_samples(const bb_table *table);
+
 #endif

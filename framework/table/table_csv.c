@@ -70,31 +70,92 @@ static void put_value(line *l, const bb_table *table, uint32_t row, const bb_col
     put_number(l, e.high);
 }
 
-char *bb_table_csv(const bb_table *table)
-{
-    char *text = NULL;
-    size_t size;
+/* A table on its way to a text: which names its cells have. */
+typedef struct writer {
+    const bb_table *table;
     bool used[BB_DIMENSIONS];
-    line l = {.out = open_memstream(&text, &size)};
-    if (l.out == NULL)
+    line l;
+    char *text;
+    size_t size;
+} writer;
+
+static void put_dimensions(writer *w)
+{
+    for (int d = 0; d < BB_DIMENSIONS; d++)
+        if (w->used[d])
+            put_text(&w->l, bb_dimension_names[d]);
+}
+
+static void put_names(writer *w, uint32_t row)
+{
+    for (int d = 0; d < BB_DIMENSIONS; d++)
+        if (w->used[d])
+            put_text(&w->l, bb_table_name(w->table, row, (bb_dimension)d));
+}
+
+/* One line for each row. */
+static void put_rows(writer *w)
+{
+    put_dimensions(w);
+    for (uint32_t c = 0; c < bb_table_column_count(w->table); c++)
+        put_heading(&w->l, bb_table_column(w->table, c));
+    end_line(&w->l);
+    for (uint32_t row = 0; row < bb_table_row_count(w->table); row++) {
+        put_names(w, row);
+        for (uint32_t c = 0; c < bb_table_column_count(w->table); c++)
+            put_value(&w->l, w->table, row, bb_table_column(w->table, c));
+        end_line(&w->l);
+    }
+}
+
+static void put_rounds(writer *w, uint32_t row, const bb_column *column)
+{
+    const bb_samples *rounds =
+        column->kind == BB_COLUMN_ROUNDS ? bb_table_get_rounds(w->table, row, column->name) : NULL;
+    for (uint32_t i = 0; rounds != NULL && i < rounds->count; i++) {
+        put_names(w, row);
+        put_text(&w->l, column->name);
+        put_text(&w->l, column->unit);
+        put_number(&w->l, i);
+        put_number(&w->l, rounds->values[i]);
+        end_line(&w->l);
+    }
+}
+
+/* One line for each round of each time. */
+static void put_samples(writer *w)
+{
+    put_dimensions(w);
+    for (size_t i = 0; i < 4; i++)
+        put_text(&w->l, (const char *const[]){"figure", "unit", "round", "value"}[i]);
+    end_line(&w->l);
+    for (uint32_t row = 0; row < bb_table_row_count(w->table); row++)
+        for (uint32_t c = 0; c < bb_table_column_count(w->table); c++)
+            put_rounds(w, row, bb_table_column(w->table, c));
+}
+
+static char *write(const bb_table *table, void (*put)(writer *w))
+{
+    writer w = {.table = table};
+    w.l.out = open_memstream(&w.text, &w.size);
+    if (w.l.out == NULL)
         return NULL;
     for (int d = 0; d < BB_DIMENSIONS; d++)
-        if ((used[d] = is_used(table, (bb_dimension)d)))
-            put_text(&l, bb_dimension_names[d]);
-    for (uint32_t c = 0; c < bb_table_column_count(table); c++)
-        put_heading(&l, bb_table_column(table, c));
-    end_line(&l);
-    for (uint32_t row = 0; row < bb_table_row_count(table); row++) {
-        for (int d = 0; d < BB_DIMENSIONS; d++)
-            if (used[d])
-                put_text(&l, bb_table_name(table, row, (bb_dimension)d));
-        for (uint32_t c = 0; c < bb_table_column_count(table); c++)
-            put_value(&l, table, row, bb_table_column(table, c));
-        end_line(&l);
-    }
-    const bool ok = ferror(l.out) == 0;
-    if (fclose(l.out) == 0 && ok)
-        return text;
-    free(text);
+        w.used[d] = is_used(table, (bb_dimension)d);
+    put(&w);
+    const bool ok = ferror(w.l.out) == 0;
+    if (fclose(w.l.out) == 0 && ok)
+        return w.text;
+    free(w.text);
     return NULL;
+}
+
+char *bb_table_csv(const bb_table *table)
+{
+    return write(table, put_rows);
+}
+
+char *bb_table_samples(const bb_table *table)
+{
+    return write(table, put_samples);
 }
