@@ -104,7 +104,8 @@ static void outside_tracers_are_put_beside_ours(void **state)
            "mine:quality=high --out outside",
            "mine:quality=high on sphere-mesh:n=8");
     expect(0,
-           "run --scene sphere-mesh:n=8 --builder null --rays primary,diffuse --size 64x64 "
+           "run --scene sphere-mesh:n=8 --builder null --kernel stack --rays primary,diffuse "
+           "--size 64x64 "
            "--max-rays 3000 "
            "--repeats 1 --no-pictures --quiet --out ours",
            "null");
