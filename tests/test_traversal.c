@@ -163,7 +163,7 @@ static void an_overflow_is_never_silent(void **state)
     trace(&b, "exact", &ray, 1, &bb_query_closest, &hit, &count);
     assert_int_equal(hit.prim, LAYERS - 1);
     assert_int_equal(count.overflow, 0);
-    b.layout.stack_need = 16;
+    check(bb_spec_parse("stack:stack=16", &b.kernel), "kernel");
     trace(&b, "exact", &ray, 1, &bb_query_closest, &hit, &count);
     assert_int_equal(count.overflow, 1);
     assert_int_equal(hit.prim, BB_POISON);
