@@ -138,6 +138,10 @@ static inline void edit_gone(bb_results *r)
 {
     leave_out_entry(r, trace_at(r, 5));
 }
+static inline void edit_layout_gone(bb_results *r)
+{
+    leave_out_entry(r, bb_results_part(r, build_at(r, 3), "pair:leaf=4"));
+}
 static inline void edit_twice(bb_results *r)
 {
     bb_put_text(trace_at(r, 6), BB_F_TRACE_CELL, bb_get_text(trace_at(r, 5), BB_F_TRACE_CELL));

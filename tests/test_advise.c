@@ -463,7 +463,7 @@ static void kernels_take_what_is_given(void **state)
         assert_true(is(by, "kinds compiled in", all ? "given" : "scene"));
         assert_true(is(decided, "kinds compiled in",
                        all ? "triangles+spheres+boxes+tetrahedra" : "triangles"));
-        assert_true(is(by, "stack entries", large ? "given" : "tree"));
+        assert_true(is(by, "stack entries", large ? "given" : "default"));
         assert_true(entries == number(trace, "stack_size"));
         assert_true((entries == 1024) == large);
     }

@@ -42,9 +42,14 @@ enum { STACK_MAX = 1024 };
 /* On CPUs a stack that is not used costs nothing, and each size would be compiled again. */
 enum { STACK_LEAST_ON_CPUS = 128 };
 
+static uint32_t least_stack(const bb_device *device)
+{
+    return device->is_cpu ? STACK_LEAST_ON_CPUS : BB_STACK_LEAST;
+}
+
 static uint32_t round_stack(const bb_device *device, uint32_t need)
 {
-    uint32_t size = device->is_cpu ? STACK_LEAST_ON_CPUS : BB_STACK_LEAST;
+    uint32_t size = least_stack(device);
     while (size < need && size < STACK_MAX)
         size *= 2;
     return size;
@@ -117,8 +122,10 @@ bb_status bb_traverser_decide(const bb_device *device, const bb_traverser_reques
                          layout->stack_need, v.stack_size);
     else if (v.stack_size > 0)
         bb_decide_number(decisions, BB_DECIDED_STACK, v.stack_size,
-                         v.stack_given ? BB_GIVEN : BB_BY_TREE, "the tree needs %u",
-                         layout->stack_need);
+                         v.stack_given                         ? BB_GIVEN
+                         : v.stack_size == least_stack(device) ? BB_BY_DEFAULT
+                                                               : BB_BY_TREE,
+                         "the tree needs %u", layout->stack_need);
     if (v.levels > 0)
         bb_decide_number(decisions, "levels of the trail", v.levels, BB_BY_TREE,
                          "the tree has %u at most", layout->levels);

@@ -7,6 +7,7 @@
 #include "framework/base/limits.h"
 
 #include <pthread.h>
+#include <sched.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,6 +17,7 @@ typedef struct worker {
     bb_pool *pool;
     pthread_t thread;
     uint32_t index;
+    pid_t id;            /* as Linux calls it; 0: not known yet */
     double began, ended; /* wall clock, for its part of the last job */
 } worker;
 
@@ -59,12 +61,31 @@ double bb_pool_span_ms(const bb_pool *pool)
     return ended - began;
 }
 
+bool bb_pool_put_back(bb_pool *pool)
+{
+    cpu_set_t now, own;
+    bool changed = false;
+    if (sched_getaffinity(0, sizeof own, &own) != 0)
+        return false;
+    pthread_mutex_lock(&pool->lock);
+    for (uint32_t i = 1; i <= pool->started; i++) {
+        const pid_t id = pool->workers[i].id;
+        if (id == 0 || sched_getaffinity(id, sizeof now, &now) != 0 || CPU_EQUAL(&now, &own))
+            continue;
+        changed = true;
+        sched_setaffinity(id, sizeof own, &own);
+    }
+    pthread_mutex_unlock(&pool->lock);
+    return changed;
+}
+
 static void *work(void *argument)
 {
     worker *self = argument;
     bb_pool *pool = self->pool;
     uint64_t last = 0;
     pthread_mutex_lock(&pool->lock);
+    self->id = gettid();
     for (;;) {
         while (pool->job == last && !pool->stop)
             pthread_cond_wait(&pool->work, &pool->lock);

@@ -4,6 +4,7 @@
 
 #include "framework/base/status.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -18,6 +19,9 @@ uint32_t bb_pool_threads(const bb_pool *pool);
 /* Returns the wall time of the last bb_parallel_for() in ms, from the first thread that began to
  * the last that ended. */
 double bb_pool_span_ms(const bb_pool *pool);
+
+/* Lets all threads run where the caller's may. Returns whether one might not. */
+bool bb_pool_put_back(bb_pool *pool);
 
 /* Calls function(context, begin, end, thread) for [0, count) in chunks of at most `chunk`. All
  * threads, including the caller's, take chunks from one counter; returns when all are done. thread

@@ -1,5 +1,5 @@
-/* Builds of a scene that no builder has seen: whoever builds it in the time of its other builds,
- * and right, builds each time. A builder that remembers trees is slower, or wrong.
+/* Builds of a scene that no builder and no tracer has seen: whoever builds it in the time of its
+ * other builds, and right, builds each time. Who remembers trees is slower, or wrong.
  *
  * The scene is disguised in place, as nobody can foresee: the system's random numbers say how, and
  * before which round. */
@@ -55,20 +55,28 @@ static bb_status check_tree(bb_instance *instance, const bb_scene *scene)
     return bb_tree_check(&instance->tree, scene);
 }
 
-/* Builds the tree of the disguised scene, which must hold for it. */
+static bb_status build_tree(bb_bench *bench, bb_entrant *entrant, bb_build_timing *timing)
+{
+    bb_instance *instance = &entrant->resident->instance;
+    instance->check_at_once = true;
+    bb_status status = bb_resident_build(&bench->residency, entrant->resident, false, timing);
+    instance->check_at_once = false;
+    if (status == BB_OK && bb_is_splitter(instance->stages[0].builder)) /* not checked at once */
+        status = check_tree(instance, bench->scene);
+    return status;
+}
+
+/* Builds the tree of the disguised scene, which must hold for it: a tracer's next build tells. */
 static bb_status build_disguised(bb_bench *bench, bb_entrant *entrant)
 {
     bb_build_timing timing;
     char looks[128];
-    bb_instance *instance = &entrant->resident->instance;
-    instance->check_at_once = true;
-    bb_status status = bb_resident_build(&bench->residency, entrant->resident, false, &timing);
-    instance->check_at_once = false;
-    if (status == BB_OK) {
+    const bb_status status =
+        entrant->tracer != NULL
+            ? bb_tracing_build_disguised(entrant->tracing, bench->disguise.mirrored, &timing)
+            : build_tree(bench, entrant, &timing);
+    if (status == BB_OK)
         bb_samples_add(&entrant->record.unseen_ms, timing.timing.ms);
-        if (bb_is_splitter(instance->stages[0].builder)) /* not checked at once */
-            status = check_tree(instance, bench->scene);
-    }
     if (status != BB_FAILED)
         return status;
     return bb_fail(BB_FAILED, "its build of the scene %s, which it had not seen: %s",
@@ -93,9 +101,11 @@ static bb_status put_on(bb_bench *bench, bool *disguised)
 static bb_status take_turn(bb_bench *bench, bb_entrant *entrant, bool *can_be)
 {
     bb_status status = BB_OK;
-    if (!bench->disguise.worn || !entrant->resident->built) {
+    const bool ready = entrant->tracer != NULL || entrant->resident->built;
+    if (!bench->disguise.worn || !ready) {
         BB_TRY(bb_disguise_take_off(&bench->disguise, bench->scene));
-        status = bb_bench_tree(bench, entrant);
+        if (!ready)
+            status = bb_bench_tree(bench, entrant);
         if (status == BB_OK)
             BB_TRY(put_on(bench, can_be));
     }
@@ -109,7 +119,9 @@ static bb_status take_turn(bb_bench *bench, bb_entrant *entrant, bool *can_be)
 
 static bool is_tried(const bb_entrant *entrant)
 {
-    return entrant->tracer == NULL && entrant->record.status == BB_OK;
+    const bool can_be =
+        entrant->tracer == NULL || (entrant->tracing != NULL && entrant->tree_of == NULL);
+    return can_be && entrant->record.status == BB_OK;
 }
 
 bb_status bb_bench_unseen_round(bb_bench *bench)
@@ -132,7 +144,10 @@ bb_status bb_bench_unseen_round(bb_bench *bench)
 static bb_status build_seen(bb_bench *bench, bb_entrant *entrant, double *ms)
 {
     bb_build_timing timing;
-    BB_TRY(bb_resident_build(&bench->residency, entrant->resident, false, &timing));
+    bb_phases unused;
+    BB_TRY(entrant->tracer != NULL
+               ? bb_tracing_build(entrant->tracing, &timing, &unused)
+               : bb_resident_build(&bench->residency, entrant->resident, false, &timing));
     *ms = timing.timing.ms;
     return BB_OK;
 }

@@ -2,25 +2,12 @@
 
 #include "framework/scene/seal.h"
 
-#include <stdio.h>
-
-/* Puts back what destroy() wrote into the scene: no row is left to fail. Keeps bb_message(), which
- * may say why there is an eviction. */
-static void put_scene_back(const bb_scene *scene)
-{
-    char message[BB_MESSAGE_MAX];
-    const char *unused;
-    snprintf(message, sizeof message, "%s", bb_message());
-    (void)bb_scene_check_seal(scene, &unused);
-    (void)bb_fail(BB_FAILED, "%s", message);
-}
-
 bool bb_resident_free_tree(bb_resident *resident)
 {
     const bool had = resident->instance.pipeline.count > 0;
     if (had) {
         bb_instance_destroy(&resident->instance);
-        put_scene_back(resident->scene);
+        bb_scene_put_back(resident->scene); /* no row is left to fail */
     }
     resident->built = false;
     return had;

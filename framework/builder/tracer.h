@@ -68,8 +68,9 @@ struct bb_tracer {
     bb_status (*create)(const bb_tracer_context *context, void **self);
 
     /* Builds from the scene's arrays to what trace() needs, in bb_phase() spans. Called many times
-     * on the same object, and each builds anew. Timed, together with a few rays that trace() must
-     * answer right after it as it will later. Required. */
+     * on the same object, and each builds anew: what the arrays hold may have changed. Timed,
+     * together with a few rays that trace() must answer right after it as it will later. Required.
+     */
     bb_status (*build)(void *self, bb_phases *phases);
 
     /* Rays are passed as `spec` says from now on. Called before each trace, and timed with it.

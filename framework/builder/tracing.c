@@ -6,6 +6,7 @@
 #include "framework/base/threads.h"
 #include "framework/builder/hook.h"
 #include "framework/device/device_private.h"
+#include "framework/scene/prim.h"
 #include "framework/scene/seal.h"
 
 #include <malloc.h>
@@ -22,6 +23,8 @@ enum {
     CHUNK_MOST = 2048,
     CHUNKS_EACH = 8,         /* for each thread, if there are enough rays */
     FIRST_RAYS = 16,         /* traced within the clock of a build */
+    PROBES = 512,            /* traced after it: at least half as many, and at most these */
+    LATE_MOST = 3,           /* builds in a row that seem to go on after their clock */
     UNSAID_HEAP = 1 << 20,   /* bytes of the heap beside those that it says it holds */
     UNSAID_LEAST = 32 << 20, /* bytes of the process beside them */
 };
@@ -43,7 +46,13 @@ struct bb_tracing {
     uint64_t bytes; /* that it held after its last build */
     double create_ms;
     bool uses_pool;
-    bb_random random; /* of first rays; nobody can foresee it */
+    bb_random random; /* of rays; nobody can foresee it */
+    uint32_t late;    /* the last so many builds seemed to go on after their clock */
+    /* Of a build of the disguised scene: rays, mirrored with it, and their answers, until the next
+     * build, which must give the same distances. */
+    uint32_t disguised; /* 0: there is none */
+    bb_ray mirrored[PROBES];
+    bb_hit seen[PROBES];
     void *self;
 };
 
@@ -152,16 +161,6 @@ bb_status bb_tracing_create(bb_device *device, const char *text, const bb_scene 
     return status;
 }
 
-/* Puts back what destroy() wrote into the scene. Keeps bb_message(). */
-static void put_scene_back(const bb_scene *scene)
-{
-    char message[BB_MESSAGE_MAX];
-    const char *unused;
-    snprintf(message, sizeof message, "%s", bb_message());
-    (void)bb_scene_check_seal_on_host(scene, &unused);
-    (void)bb_fail(BB_FAILED, "%s", message);
-}
-
 void bb_tracing_destroy(bb_tracing *t)
 {
     bb_hook hook;
@@ -170,8 +169,9 @@ void bb_tracing_destroy(bb_tracing *t)
     if (t->self != NULL) {
         begin(t, row_of(t), "destroy", &hook);
         t->tracer->destroy(t->self);
-        bb_hook_put_back(&hook); /* no row is left to fail */
-        put_scene_back(t->scene);
+        bb_hook_put_back(&hook);                 /* no row is left to fail */
+        (void)bb_idle_left(&hook.idle, t->text); /* nobody else is told of its threads */
+        bb_scene_put_back(t->scene);
     }
     leave_pool(t);
     free(t);
@@ -191,20 +191,21 @@ static bb_status check_threads(const bb_tracing *t, const bb_timing *timing, con
         t->tracer->name, timing->cpu_ms, hook, t->context.threads, timing->ms);
 }
 
-/* Rays from random points of the scene's box towards others. */
-static void make_first_rays(bb_tracing *t, bb_ray *rays)
+/* Rays from random points of the scene's box towards random primitives. */
+static void make_rays(bb_tracing *t, bb_ray *rays, uint32_t count)
 {
-    const bb_box *box = &t->scene->bounds;
-    for (uint32_t i = 0; i < FIRST_RAYS; i++) {
+    const bb_box *all = &t->scene->bounds;
+    for (uint32_t i = 0; i < count; i++) {
+        const bb_box *to = &t->scene->boxes[bb_random_below(&t->random, t->scene->prim_count)];
         bb_ray *ray = &rays[i];
         *ray = (bb_ray){.tmax = INFINITY};
         for (int k = 0; k < 3; k++) {
-            ray->o[k] = (float)bb_random_range(&t->random, box->lo[k], box->hi[k]);
-            ray->d[k] =
-                (float)bb_random_range(&t->random, box->lo[k], box->hi[k]) / 2 - ray->o[k] / 2;
+            ray->o[k] = (float)bb_random_range(&t->random, all->lo[k], all->hi[k]);
+            /* half of the way: all of it may be more than a float can be */
+            ray->d[k] = (float)(((double)to->lo[k] + to->hi[k]) / 4 - 0.5 * ray->o[k]);
         }
-        if (!(ray->d[0] * ray->d[0] + ray->d[1] * ray->d[1] + ray->d[2] * ray->d[2] > 0))
-            ray->d[0] = 1; /* a box of no extent, or too small for floats */
+        if (ray->d[0] == 0 && ray->d[1] == 0 && ray->d[2] == 0)
+            ray->d[0] = 1;
     }
 }
 
@@ -226,8 +227,7 @@ static bb_status weigh(bb_tracing *t)
     return BB_OK;
 }
 
-/* What was built must answer at once: the first rays are part of the build. The same rays later
- * must have the same answers, or the work went on after the clock had stopped. */
+/* Builds and traces the first rays within the clock. */
 static bb_status build_and_answer(bb_tracing *t, bb_build_timing *timing, bb_phases *phases,
                                   const bb_ray *rays, bb_hit *hits, double *first_ms)
 {
@@ -250,39 +250,126 @@ static bb_status build_and_answer(bb_tracing *t, bb_build_timing *timing, bb_pha
     return bb_hook_end(&hook, status);
 }
 
-static bb_status answer_again(bb_tracing *t, const bb_ray *rays, const bb_hit *hits)
+/* Traces in one call; *cpu_ms: what the process took. */
+static bb_status trace_probes(bb_tracing *t, const bb_ray *rays, uint32_t count, bb_hit *hits,
+                              double *cpu_ms)
 {
     bb_hook hook;
-    bb_hit again[FIRST_RAYS];
-    memset(again, 0xEE, sizeof again);
+    memset(hits, 0xEE, count * sizeof *hits);
     begin(t, row_of(t), "trace", &hook);
-    BB_TRY(bb_hook_end(&hook, t->tracer->trace(t->self, rays, FIRST_RAYS, false, again)));
-    return memcmp(again, hits, sizeof again) == 0
-               ? BB_OK
-               : bb_fail(BB_FAILED,
-                         "%s answers otherwise later than right after build(), by when all must be "
-                         "built",
-                         t->tracer->name);
+    const double start = bb_cpu_ms();
+    const bb_status status = t->tracer->trace(t->self, rays, count, false, hits);
+    *cpu_ms = bb_cpu_ms() - start;
+    return bb_hook_end(&hook, status);
 }
 
-bb_status bb_tracing_build(bb_tracing *t, bb_build_timing *timing, bb_phases *phases)
+/* Whether two answers have the same distance, but for `share` of it. Which of several primitives at
+ * one place is named may differ. */
+static bool are_alike(bb_hit a, bb_hit b, double share)
 {
-    bb_ray rays[FIRST_RAYS];
-    bb_hit hits[FIRST_RAYS];
+    return memcmp(&a.t, &b.t, sizeof a.t) == 0 || fabs((double)a.t - b.t) <= share * fabs(a.t);
+}
+
+/* What was built must answer the first rays as it will later. A build that waits for its first rays
+ * in earnest is found by what these take beside the same ones again: of that, it is half of a build
+ * or more, each time. */
+static bb_status check_built(bb_tracing *t, const bb_build_timing *timing, const bb_ray *rays,
+                             uint32_t count, const bb_hit *first)
+{
+    const double share = 0.5, least_ms = 1;
+    bb_hit hits[2][PROBES];
+    double ms[2];
+    for (int i = 0; i < 2; i++)
+        BB_TRY(trace_probes(t, rays, count, hits[i], &ms[i]));
+    for (uint32_t i = 0; i < FIRST_RAYS; i++)
+        if (!are_alike(first[i], hits[1][i], 0))
+            return bb_fail(BB_FAILED,
+                           "%s answers otherwise later than right after build(), by when all must "
+                           "be built",
+                           t->tracer->name);
+    const bool late = ms[0] - ms[1] > share * timing->timing.cpu_ms && ms[0] - ms[1] > least_ms;
+    t->late = late ? t->late + 1 : 0;
+    if (t->late < LATE_MOST)
+        return BB_OK;
+    return bb_fail(BB_FAILED,
+                   "%s goes on building after build(): %u rays took %.3g ms after it, and %.3g ms "
+                   "again",
+                   t->tracer->name, count, ms[0], ms[1]);
+}
+
+/* The mirrored scene's answers, now that it is itself again. */
+static bb_status check_disguised(bb_tracing *t)
+{
+    const uint32_t count = t->disguised;
+    bb_hit hits[PROBES];
+    double unused;
+    uint32_t met = 0, alike = 0;
+    t->disguised = 0;
+    if (count == 0)
+        return BB_OK;
+    BB_TRY(trace_probes(t, t->mirrored, count, hits, &unused));
+    for (uint32_t i = 0; i < count; i++) {
+        if (!isfinite(hits[i].t) && !isfinite(t->seen[i].t))
+            continue;
+        met++;
+        alike += are_alike(t->seen[i], hits[i], 1e-3);
+    }
+    if (4 * alike >= 3 * met)
+        return BB_OK;
+    return bb_fail(BB_FAILED,
+                   "%s does not build anew: of %u rays that meet the mirrored scene, it answers %u "
+                   "as their images in the scene itself",
+                   t->tracer->name, met, alike);
+}
+
+static bb_status build(bb_tracing *t, bb_build_timing *timing, bb_phases *phases)
+{
+    bb_ray rays[PROBES];
+    bb_hit first[FIRST_RAYS];
     double first_ms = 0;
+    const uint32_t count = PROBES / 2 + bb_random_below(&t->random, PROBES / 2 + 1);
     *timing = (bb_build_timing){.restore_ms = 0};
     *phases = (bb_phases){.current = -1};
-    make_first_rays(t, rays);
-    memset(hits, 0xEE, sizeof hits);
-    BB_TRY(build_and_answer(t, timing, phases, rays, hits, &first_ms));
+    make_rays(t, rays, count);
+    memset(first, 0xEE, sizeof first);
+    BB_TRY(build_and_answer(t, timing, phases, rays, first, &first_ms));
     BB_TRY(check_threads(t, &timing->timing, "build"));
-    BB_TRY(answer_again(t, rays, hits));
+    BB_TRY(check_built(t, timing, rays, count, first));
     BB_TRY(weigh(t));
     timing->outside_ms = phases->outside_ms;
     timing->timing.ms -= phases->outside_ms;
     timing->timing.event_ms = first_ms - phases->outside_ms;
     for (uint32_t i = 0; i < phases->count; i++)
         timing->timing.event_ms += phases->ms[i];
+    return BB_OK;
+}
+
+bb_status bb_tracing_build(bb_tracing *t, bb_build_timing *timing, bb_phases *phases)
+{
+    BB_TRY(build(t, timing, phases));
+    return check_disguised(t);
+}
+
+bb_status bb_tracing_build_disguised(bb_tracing *t, uint32_t mirrored, bb_build_timing *timing)
+{
+    const bb_box *box = &t->scene->bounds;
+    bb_ray rays[PROBES];
+    bb_phases unused;
+    double unused_ms;
+    t->disguised = 0;
+    BB_TRY(build(t, timing, &unused));
+    make_rays(t, rays, PROBES);
+    BB_TRY(trace_probes(t, rays, PROBES, t->seen, &unused_ms));
+    for (uint32_t i = 0; i < PROBES; i++) {
+        t->mirrored[i] = rays[i];
+        for (int k = 0; k < 3; k++) {
+            if ((mirrored >> k & 1) == 0)
+                continue;
+            t->mirrored[i].o[k] = bb_mirrored(rays[i].o[k], box->lo[k], box->hi[k]);
+            t->mirrored[i].d[k] = -rays[i].d[k];
+        }
+    }
+    t->disguised = PROBES;
     return BB_OK;
 }
 
@@ -370,6 +457,8 @@ bb_status bb_tracing_trace(bb_tracing *t, bb_guarded whose, const bb_spec *pass,
     const uint64_t answers = XXH3_64bits(hits, count * sizeof *hits);
     BB_TRY(bb_hook_end(&hook, status));
     BB_TRY(check_threads(t, timing, "trace"));
+    if (bb_pool_put_back(pool))
+        return bb_fail(BB_FAILED, "%s changed in trace() where a thread may run", t->tracer->name);
     if (XXH3_64bits(hits, count * sizeof *hits) == answers)
         return BB_OK;
     return bb_fail(BB_FAILED, "%s wrote answers after trace() had returned", t->tracer->name);

@@ -16,8 +16,15 @@ bb_status bb_tracing_create(bb_device *device, const char *text, const bb_scene 
 void bb_tracing_destroy(bb_tracing *tracing); /* NULL is allowed */
 
 /* Builds anew, and traces a few rays within the clock, which must be answered alike later.
+ * BB_FAILED also if, three times in a row, it seems to go on building when more rays come.
  * `phases` gets the tracer's; the time by the device's clock is their sum and that of the rays. */
 bb_status bb_tracing_build(bb_tracing *tracing, bb_build_timing *timing, bb_phases *phases);
+
+/* The same on the scene in disguise, mirrored along these axes (framework/scene/disguise.h). The
+ * next build, of the scene itself, fails unless it answers mirrored rays as this one has answered
+ * rays. */
+bb_status bb_tracing_build_disguised(bb_tracing *tracing, uint32_t mirrored,
+                                     bb_build_timing *timing);
 
 /* Rays are passed as `spec` says from now on, not timed: whether the tracer can. If it dies,
  * `whose` row is lost. */

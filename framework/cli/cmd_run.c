@@ -59,8 +59,7 @@ static const bb_cli_option options[] = {
      .apart = "scene|builder|kernel|rays|intersector|size|max-rays|seed"},
     BB_GROUP(bb_device_options, comparison, device),
     {"size", "WxH",
-     "image size for primary rays; default: 512x512, or 256x256 from two views per scene if "
-     "nothing is chosen",
+     "image size for primary rays; default: 512x512, or 256x256 if nothing is chosen",
      BB_INTO_SIZE(comparison, request.width)},
     {"max-rays", "N",
      "most rays per scene of a workload that samples; default: 1048576, or 65536 if nothing is "
@@ -341,6 +340,9 @@ const bb_command bb_command_run = {
         "On a GPU a set has at least 1,048,576 rays (by least=N for rays that start from "
         "pictures), unless\n"
         "--size or --max-rays is given.\n"
+        "If neither scenes, builders, kernels, rays nor intersectors are chosen, two views of each "
+        "scene are\n"
+        "taken, else all.\n"
         "What a scene of more than 65,536 primitives takes is foretold first, from a small "
         "comparison on a\n"
         "sample of it: on a processor, for scenes without volume or motion, and not with --cell, "

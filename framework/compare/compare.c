@@ -308,7 +308,7 @@ static bb_status set_floor(bb_comparison_result *result, double threshold, const
 
 /* Which layouts a build has follows from what traces it, and that is missing itself, or has failed,
  * if a layout should be there and is not. */
-static bool counts_as_missing(const bb_measured *cell)
+bool bb_counts_as_missing(const bb_measured *cell)
 {
     return !cell->reference && is_ok(cell) && strstr(cell->key, BB_KEY_OF_LAYOUT) == NULL;
 }
@@ -322,7 +322,7 @@ static void count_only(bb_comparison_result *result)
             continue;
         bool both = bb_side_find(b, key) != NULL;
         const bb_measured *old = bb_side_find(a, key);
-        result->missing += !both && counts_as_missing(old);
+        result->missing += !both && bb_counts_as_missing(old);
         result->common += both;
         result->only_before += !both;
         result->lacking += both && bb_side_lacks(a, key) + bb_side_lacks(b, key) > 0;

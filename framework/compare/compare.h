@@ -125,6 +125,10 @@ void bb_compare_sort_sights(bb_comparison_result *result);
 /* Returns how many sights could not have shown a slowing by this share. */
 uint32_t bb_compare_blind(const bb_comparison_result *result, double share);
 
+/* Returns whether it is worse if a cell of the side before is missing: it was ok, and is neither of
+ * a reference nor a layout. */
+bool bb_counts_as_missing(const bb_measured *cell);
+
 /* Returns the median of the cells' ratios of times; NAN if there are none. */
 double bb_compare_typical(const bb_comparison_result *result);
 

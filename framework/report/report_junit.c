@@ -98,6 +98,18 @@ static bool print_failure(const bb_comparison_result *r, const char *key, FILE *
     return any;
 }
 
+/* Returns why a cell that is not worse says nothing; NULL: it does. */
+static const char *why_skipped(const bb_measured *before, const bb_measured *after)
+{
+    if (after == NULL)
+        return "the cell is missing, which does not count";
+    if (before->reference)
+        return "a reference does not count";
+    if (strcmp(before->status, "ok") != 0 || strcmp(after->status, "ok") != 0)
+        return "not compared: it failed, or was refused";
+    return bb_same_input(before, after) ? NULL : "not compared: another scene, or other rays";
+}
+
 static void print_case(const bb_comparison_result *r, const char *key, FILE *out)
 {
     const bb_measured *before = bb_side_find(&r->before, key);
@@ -108,14 +120,11 @@ static void print_case(const bb_comparison_result *r, const char *key, FILE *out
     print_attribute("classname", "bvhbench", out);
     print_attribute("name", brief, out);
     fprintf(out, ">\n");
-    const bool counted = !before->reference && strcmp(before->status, "ok") == 0;
-    if (after == NULL)
-        print_element(counted ? "failure" : "skipped", "the cell is missing", out);
-    else if (!print_failure(r, key, out) && (!bb_same_input(before, after) || before->reference))
-        print_element("skipped",
-                      before->reference ? "a reference does not count"
-                                        : "not compared: another scene, or other rays",
-                      out);
+    const char *skipped = why_skipped(before, after);
+    if (after == NULL && bb_counts_as_missing(before))
+        print_element("failure", "the cell is missing", out);
+    else if (!print_failure(r, key, out) && skipped != NULL)
+        print_element("skipped", skipped, out);
     fprintf(out, "    </testcase>\n");
 }
 

@@ -7,6 +7,7 @@
 #include "framework/scene/scene_private.h"
 #include "framework/scene/tets.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <xxhash.h>
@@ -282,6 +283,15 @@ bb_status bb_scene_check_seal(const bb_scene *scene, const char **changed)
 bb_status bb_scene_check_seal_on_host(const bb_scene *scene, const char **changed)
 {
     return check_seal(scene, true, changed);
+}
+
+void bb_scene_put_back(const bb_scene *scene)
+{
+    char message[BB_MESSAGE_MAX];
+    const char *unused;
+    snprintf(message, sizeof message, "%s", bb_message());
+    (void)bb_scene_check_seal(scene, &unused);
+    (void)bb_fail(BB_FAILED, "%s", message);
 }
 
 void bb_scene_is_whole(bb_scene *scene)

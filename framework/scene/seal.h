@@ -18,6 +18,9 @@ bb_status bb_scene_check_seal(const bb_scene *scene, const char **changed);
 /* The same for whoever was given no buffers: hashes the host's memory alone. */
 bb_status bb_scene_check_seal_on_host(const bb_scene *scene, const char **changed);
 
+/* Puts back what a destroy(), which cannot fail, wrote into the scene. bb_message() stays. */
+void bb_scene_put_back(const bb_scene *scene);
+
 /* The caller has put everything back: a scene that could not be is whole again. */
 void bb_scene_is_whole(bb_scene *scene);
 

@@ -40,16 +40,16 @@ static bb_status create(const bb_tracer_context *c, void **self)
         t->bvh.emplace<1>();
     else if (bb_spec_is(c->spec, c->options, "layout", "bvh8"))
         t->bvh.emplace<2>();
-    t->vertices.reserve(c->scene->vertex_count);
-    const float *v = c->scene->vertices, *end = v + 3 * (size_t)c->scene->vertex_count;
-    for (; v < end; v += 3)
-        t->vertices.push_back({v[0], v[1], v[2], 0});
+    t->vertices.resize(c->scene->vertex_count);
     return BB_OK;
 }
 
 static bb_status build(void *self, bb_phases *)
 {
     Tracer *t = static_cast<Tracer *>(self);
+    const float *v = t->c->scene->vertices;
+    for (bvhvec4 &to : t->vertices)
+        to = {v[0], v[1], v[2], 0}, v += 3;
     const bvhvec4slice slice(t->vertices.data(), (uint32_t)t->vertices.size());
     const uint32_t count = t->c->scene->prim_count, *indices = bb_scene_indices(t->c->scene);
     const bool splits = bb_spec_is(t->c->spec, t->c->options, "quality", "sbvh");

@@ -4,6 +4,7 @@
 #include <fenv.h>
 #include <math.h>
 #include <pthread.h>
+#include <sched.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,15 +14,13 @@
 static const bb_option options[] = {
     {"kind", "right",
      "right|blind|crashes|crashes-early|hangs|fewer|rays|scene|scene-last|threads|greedy|fails|"
-     "fails-late|lacks|lacks-late|late|lazy|floats|remembers|remembers-well",
+     "fails-late|lacks|lacks-late|late|lazy|floats|remembers|remembers-well|stale|late-build|pins",
      "what it does"},
     {"pace", "one", "one|two", "says how rays are passed, which changes nothing"},
     {NULL, NULL, NULL, NULL},
 };
 
-/* More rays than the harness traces with a build: what breaks a promise in trace() waits for
- * them. */
-enum { SOME = 100 };
+enum { FIRST = 16 }; /* rays that the harness traces within the clock of a build */
 
 typedef struct brute {
     const bb_tracer_context *c;
@@ -30,6 +29,7 @@ typedef struct brute {
     bool worker;
     struct memory *memories;
     atomic_bool built;
+    bool passed; /* ray sets are traced: what breaks a promise in trace() waits for it */
 } brute;
 
 static bool is(const brute *b, const char *kind)
@@ -102,14 +102,16 @@ static bb_status build(void *self, bb_phases *phases)
     brute *b = self;
     const size_t bytes = 3 * sizeof(float) * b->c->scene->vertex_count;
     BB_TRY(bb_phase(phases, "copy"));
+    if (is(b, "stale") && b->copy != NULL)
+        return bb_phase(phases, NULL);
     free(b->copy);
     b->copy = malloc(bytes);
     if (b->copy == NULL)
         return bb_fail(BB_REFUSED, "brute: no memory");
     memcpy(b->copy, b->c->scene->vertices, bytes);
     b->bytes = bytes;
-    b->built = !is(b, "lazy");
-    if (is(b, "fails"))
+    b->built = !is(b, "lazy") && !is(b, "late-build");
+    if (is(b, "fails") || is(b, "scene-last"))
         return bb_fail(BB_FAILED, "brute: cannot build");
     if (is(b, "scene"))
         b->c->scene->vertices[0] += 1;
@@ -125,6 +127,7 @@ static bb_status build(void *self, bb_phases *phases)
 static bb_status pass(void *self, const bb_spec *spec)
 {
     (void)spec;
+    ((brute *)self)->passed = true;
     return is(self, "lacks-late") ? bb_fail(BB_UNSUPPORTED, "brute: it lacks that") : BB_OK;
 }
 
@@ -246,30 +249,38 @@ static bb_status answer_by_memory(brute *b, const bb_ray *rays, uint32_t count, 
 static bb_status trace(void *self, const bb_ray *rays, uint32_t count, bool any, bb_hit *hits)
 {
     brute *b = self;
-    const bool many = count > SOME;
+    const bool passed = b->passed;
     (void)any; /* the closest is one of them */
-    if (many && is(b, "crashes"))
+    if (passed && is(b, "crashes"))
         abort();
-    while (many && is(b, "hangs"))
+    while (passed && is(b, "hangs"))
         pause();
-    if (many && is(b, "greedy"))
+    if (passed && is(b, "greedy"))
         be_greedy();
-    if (many && is(b, "fails-late"))
+    if (passed && is(b, "fails-late"))
         return bb_fail(BB_FAILED, "brute: cannot trace");
-    if (many && is(b, "late"))
+    if (passed && is(b, "late"))
         return answer_behind(b, rays, count, hits);
-    if (many && (is(b, "remembers") || is(b, "remembers-well")))
+    if (passed && (is(b, "remembers") || is(b, "remembers-well")))
         return answer_by_memory(b, rays, count, any, hits);
-    if (many && is(b, "rays"))
+    if (passed && is(b, "rays"))
         ((bb_ray *)rays)[0].o[0] += 1;
-    if (many && is(b, "floats"))
+    if (passed && is(b, "floats"))
         fesetround(FE_UPWARD);
-    if (!atomic_exchange(&b->built, true)) { /* lazy: as long as it has no tree, it sees nothing */
+    if (is(b, "late-build") && count > FIRST && !atomic_exchange(&b->built, true))
+        toil_for(0.02);
+    if (passed && is(b, "pins")) {
+        cpu_set_t one;
+        CPU_ZERO(&one);
+        CPU_SET(sched_getcpu(), &one);
+        sched_setaffinity(0, sizeof one, &one);
+    }
+    if (is(b, "lazy") && !atomic_exchange(&b->built, true)) { /* as long as it has no tree */
         for (uint32_t i = 0; i < count; i++)
             hits[i] = (bb_hit){INFINITY, BB_NONE};
         return BB_OK;
     }
-    answer(b, rays, is(b, "fewer") ? count - 1 : count, hits);
+    answer(b, rays, passed && is(b, "fewer") ? count - 1 : count, hits);
     return BB_OK;
 }
 
