@@ -246,6 +246,19 @@ static bb_status answer_by_memory(brute *b, const bb_ray *rays, uint32_t count, 
     return BB_OK;
 }
 
+/* Keeps any thread but the first on one processor; that one leaves work to the others. */
+static void pin_thread(void)
+{
+    cpu_set_t one;
+    if (gettid() == getpid()) {
+        toil_for(0.005);
+        return;
+    }
+    CPU_ZERO(&one);
+    CPU_SET(sched_getcpu(), &one);
+    sched_setaffinity(0, sizeof one, &one);
+}
+
 static bb_status trace(void *self, const bb_ray *rays, uint32_t count, bool any, bb_hit *hits)
 {
     brute *b = self;
@@ -269,12 +282,8 @@ static bb_status trace(void *self, const bb_ray *rays, uint32_t count, bool any,
         fesetround(FE_UPWARD);
     if (is(b, "late-build") && count > FIRST && !atomic_exchange(&b->built, true))
         toil_for(0.02);
-    if (passed && is(b, "pins")) {
-        cpu_set_t one;
-        CPU_ZERO(&one);
-        CPU_SET(sched_getcpu(), &one);
-        sched_setaffinity(0, sizeof one, &one);
-    }
+    if (passed && is(b, "pins"))
+        pin_thread();
     if (is(b, "lazy") && !atomic_exchange(&b->built, true)) { /* as long as it has no tree */
         for (uint32_t i = 0; i < count; i++)
             hits[i] = (bb_hit){INFINITY, BB_NONE};
