@@ -513,6 +513,33 @@ static void the_fastest_reference_is_named(void **state)
     bb_results_destroy(results);
 }
 
+/* Who loses most rays is fast for that reason: a tracer that loses more than one in a hundred is no
+ * yardstick, and has no speed. */
+static void who_loses_rays_has_no_speed(void **state)
+{
+    (void)state;
+    static const double wrong_ppm[] = {9999, 10001};
+    for (int i = 0; i < 2; i++) {
+        bb_results *d = three_builders();
+        const traced t = {.scene = "a",
+                          .builder = "embree-native:query=packets",
+                          .rays = "random",
+                          .kernel = "own",
+                          .intersector = "own",
+                          .ms = 1,
+                          .wrong_ppm = wrong_ppm[i],
+                          .reference = true};
+        add_build(d, t.scene, t.builder, 100, true);
+        add_trace(d, &t);
+        bb_results *results = read_back(d);
+        bb_summary s;
+        assert_int_equal(bb_summary_make(results, &(bb_summary_choice){"a", NULL}, &s), BB_OK);
+        assert_int_equal(row_of(&s, "embree-native:mode=fast")->yardstick, i);
+        bb_summary_free(&s);
+        bb_results_destroy(results);
+    }
+}
+
 /* In one scene of two, `part` of the builds of "fast" is done once more outside the clock. */
 static bb_results *with_untimed(double part, bb_field_id where)
 {
@@ -568,6 +595,7 @@ int main(void)
         cmocka_unit_test(a_busy_machine_is_said),
         cmocka_unit_test(long_names_are_shortened),
         cmocka_unit_test(the_fastest_reference_is_named),
+        cmocka_unit_test(who_loses_rays_has_no_speed),
         cmocka_unit_test(work_outside_the_clock_wins_nothing_by_builds),
     };
     return cmocka_run_group_tests_name("summary", tests, NULL, NULL);

@@ -59,9 +59,10 @@ static bb_status trace(bb_trace_set *set, bb_traced_cell *c, bb_rays *rays, doub
 }
 
 /* More wrong answers than to the rays of the set are no chance: one of a hundred more, and what
- * samples of this size differ by. */
+ * samples of this size differ by. Fewer by as much say that those rays are special to the tracer:
+ * then their times say nothing (*comparable is false). */
 static bb_status check_answers(const bb_trace_set *set, const bb_traced_cell *c,
-                               bb_answers *answers)
+                               bb_answers *answers, bool *comparable)
 {
     bb_accuracy accuracy;
     const bb_verdict_request wanted = {
@@ -69,7 +70,9 @@ static bb_status check_answers(const bb_trace_set *set, const bb_traced_cell *c,
     BB_TRY(bb_judge(set->bench->oracle, answers, &wanted, &accuracy));
     const double seen = c->record.accuracy.wrong_ppm / 1e6, unseen = accuracy.wrong_ppm / 1e6;
     const double spread = sqrt(c->count * fmax(seen, 0.01));
-    if (c->count * (unseen - seen) <= 0.01 * c->count + 5 * spread + 3)
+    const double most = 0.01 * c->count + 5 * spread + 3;
+    *comparable = c->count * (seen - unseen) <= most;
+    if (c->count * (unseen - seen) <= most)
         return BB_OK;
     return bb_fail(BB_FAILED,
                    "it remembers answers: of rays that it had not seen it answers %.3g %% wrong, "
@@ -101,9 +104,10 @@ static bb_status try_once(bb_trace_set *set, bb_traced_cell *c, attempt *a, doub
                           bool *slow)
 {
     const double times = 1.5, caches_ms = 0.5;
+    bool comparable;
     BB_TRY(trace(set, c, &a->rays, cpu_ms));
-    BB_TRY(check_answers(set, c, &a->answers));
-    *slow = *cpu_ms > times * bb_samples_median(&c->record.cpu_ms) + caches_ms;
+    BB_TRY(check_answers(set, c, &a->answers, &comparable));
+    *slow = comparable && *cpu_ms > times * bb_samples_median(&c->record.cpu_ms) + caches_ms;
     return BB_OK;
 }
 

@@ -76,14 +76,16 @@ static void read_build(const bb_results *results, const bb_entry *build, bb_buil
     b->peak = isfinite(native) ? native : bb_get_number(build, BB_F_TREE_BYTES_PEAK);
 }
 
-/* Returns whether a trace may rank: the answers must be right, unless it is a reference. */
+/* Returns whether a trace may rank: the answers must be right. Tracers may lose some rays, but one
+ * that loses most is fast for that reason. */
 static bool may_rank(const bb_entry *trace)
 {
+    const double most_wrong_ppm = 10000;
     double rate = bb_get_number(trace, BB_F_TRACE_RATE);
     if (!bb_is_ok(trace) || !(rate > 0) || !(bb_get_number(trace, BB_F_TRACE_COUNT) > 0))
         return false;
     if (bb_get_true(trace, BB_F_TRACE_REFERENCE))
-        return true;
+        return !(bb_get_number(trace, BB_F_ACCURACY_WRONG_PPM) > most_wrong_ppm);
     return bb_get_true(trace, BB_F_TRACE_COUNTS) && !bb_get_true(trace, BB_F_TRACE_WRONG) &&
            isfinite(bb_get_number(trace, BB_F_ACCURACY_WRONG_PPM)) &&
            !(bb_get_number(trace, BB_F_TRACE_UNLIKE) > 0);
