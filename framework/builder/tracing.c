@@ -33,6 +33,12 @@ enum {
 static bb_pool *pool;
 static uint32_t pool_users;
 
+/* Bytes of the heap that are in use, and those that are free but may still be resident. Always 0
+ * under sanitizers, which have a heap of their own. */
+typedef struct heap_bytes {
+    int64_t used, free;
+} heap_bytes;
+
 struct bb_tracing {
     const bb_tracer *tracer;
     bb_device *device;
@@ -42,8 +48,8 @@ struct bb_tracing {
     bb_tracer_context context;
     char text[512]; /* its row */
     bb_footprint footprint;
-    int64_t heap;   /* bytes that its create() and build() have added */
-    uint64_t bytes; /* that it held after its last build */
+    heap_bytes heap; /* that its create() and build() have added */
+    uint64_t bytes;  /* that it held after its last build */
     double create_ms;
     bool uses_pool;
     bb_random random; /* of rays; nobody can foresee it */
@@ -56,11 +62,17 @@ struct bb_tracing {
     void *self;
 };
 
-/* The bytes of the heap that are in use; always 0 under sanitizers, which have one of their own. */
-static int64_t heap_bytes(void)
+static heap_bytes look_at_heap(void)
 {
     const struct mallinfo2 info = mallinfo2();
-    return (int64_t)(info.uordblks + info.hblkhd);
+    return (heap_bytes){(int64_t)(info.uordblks + info.hblkhd), (int64_t)info.fordblks};
+}
+
+static void add_to_heap(heap_bytes *sum, heap_bytes before)
+{
+    const heap_bytes now = look_at_heap();
+    sum->used += now.used - before.used;
+    sum->free += now.free - before.free;
 }
 
 static void begin(bb_tracing *t, bb_guarded whose, const char *name, bb_hook *hook)
@@ -97,11 +109,11 @@ static bb_status create(bb_tracing *t)
     if (death != NULL)
         return bb_fail(BB_FAILED, "%s", death);
     begin(t, row_of(t), "create", &hook);
-    const int64_t heap = heap_bytes();
+    const heap_bytes heap = look_at_heap();
     const double start = bb_wall_ms();
     const bb_status status = t->tracer->create(&t->context, &t->self);
     t->create_ms = bb_wall_ms() - start;
-    t->heap += heap_bytes() - heap;
+    add_to_heap(&t->heap, heap);
     return bb_hook_end(&hook, status);
 }
 
@@ -214,16 +226,17 @@ static bb_status weigh(bb_tracing *t)
 {
     bb_hook hook;
     uint64_t said = 0;
-    const int64_t resident = t->footprint.now - UNSAID_LEAST;
-    const uint64_t heap = t->heap > 0 ? (uint64_t)t->heap : 0;
+    const int64_t freed = t->heap.free > 0 ? t->heap.free : 0;
+    const int64_t resident = t->footprint.now - freed;
+    const uint64_t heap = t->heap.used > 0 ? (uint64_t)t->heap.used : 0;
     if (t->tracer->bytes != NULL) {
         begin(t, row_of(t), "bytes", &hook);
         said = t->tracer->bytes(t->self);
         BB_TRY(bb_hook_end(&hook, BB_OK));
     }
     t->bytes = t->tracer->bytes == NULL || heap > said + said / 10 + UNSAID_HEAP ? heap : said;
-    if (resident > 0 && (uint64_t)resident > t->bytes)
-        t->bytes = (uint64_t)t->footprint.now;
+    if (resident > (int64_t)t->bytes + UNSAID_LEAST)
+        t->bytes = (uint64_t)resident;
     return BB_OK;
 }
 
@@ -234,7 +247,7 @@ static bb_status build_and_answer(bb_tracing *t, bb_build_timing *timing, bb_pha
     bb_stopwatch watch;
     bb_hook hook;
     begin(t, row_of(t), "build", &hook);
-    const int64_t heap = heap_bytes();
+    const heap_bytes heap = look_at_heap();
     bb_status status = bb_stopwatch_start(t->device, &watch);
     if (status == BB_OK) {
         status = t->tracer->build(t->self, phases);
@@ -246,7 +259,7 @@ static bb_status build_and_answer(bb_tracing *t, bb_build_timing *timing, bb_pha
         *first_ms = bb_wall_ms() - built;
         status = bb_stopwatch_stop(&watch, status, &timing->timing);
     }
-    t->heap += heap_bytes() - heap;
+    add_to_heap(&t->heap, heap);
     return bb_hook_end(&hook, status);
 }
 

@@ -41,8 +41,8 @@ bb_status bb_tracing_trace(bb_tracing *tracing, bb_guarded whose, const bb_spec 
 double bb_tracing_create_ms(const bb_tracing *tracing);
 
 /* Returns the bytes that it holds since its last build: those that the tracer says, unless those
- * that its create() and build() have added to the heap are more by a tenth and 1 MiB, or those of
- * the process by 32 MiB. */
+ * that its create() and build() have added to the heap are more by a tenth and 1 MiB, or those that
+ * the process has more, but for free ones of the heap, by 32 MiB. */
 uint64_t bb_tracing_bytes(const bb_tracing *tracing);
 
 /* Describes the last build; "" if the tracer does not. */
