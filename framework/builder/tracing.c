@@ -1,6 +1,7 @@
 #include "framework/builder/tracing.h"
 
 #include "framework/base/clock.h"
+#include "framework/base/interrupt.h"
 #include "framework/base/random.h"
 #include "framework/base/steering.h"
 #include "framework/base/threads.h"
@@ -254,7 +255,7 @@ static bb_status build_and_answer(bb_tracing *t, bb_build_timing *timing, bb_pha
         if (status == BB_OK)
             status = bb_phase(phases, NULL);
         const double built = bb_wall_ms();
-        if (status == BB_OK)
+        if (status == BB_OK && !bb_interrupted()) /* else it may not be built */
             status = t->tracer->trace(t->self, rays, FIRST_RAYS, false, hits);
         *first_ms = bb_wall_ms() - built;
         status = bb_stopwatch_stop(&watch, status, &timing->timing);
@@ -280,12 +281,13 @@ static bb_status trace_probes(bb_tracing *t, const bb_ray *rays, uint32_t count,
  * one place is named may differ. */
 static bool are_alike(bb_hit a, bb_hit b, double share)
 {
-    return memcmp(&a.t, &b.t, sizeof a.t) == 0 || fabs((double)a.t - b.t) <= share * fabs(a.t);
+    const bool near = isfinite(a.t) && fabs((double)a.t - b.t) <= share * fabs((double)a.t);
+    return memcmp(&a.t, &b.t, sizeof a.t) == 0 || near;
 }
 
-/* What was built must answer the first rays as it will later. A build that waits for its first rays
- * in earnest is found by what these take beside the same ones again: of that, it is half of a build
- * or more, each time. */
+/* What was built must answer the first rays as it will later. Who waits with building until more
+ * rays come is found by their time: again, the same rays take less, by half of a build or more. One
+ * such build may be a chance, three in a row are none. */
 static bb_status check_built(bb_tracing *t, const bb_build_timing *timing, const bb_ray *rays,
                              uint32_t count, const bb_hit *first)
 {
@@ -318,7 +320,7 @@ static bb_status check_disguised(bb_tracing *t)
     double unused;
     uint32_t met = 0, alike = 0;
     t->disguised = 0;
-    if (count == 0)
+    if (count == 0 || bb_interrupted())
         return BB_OK;
     BB_TRY(trace_probes(t, t->mirrored, count, hits, &unused));
     for (uint32_t i = 0; i < count; i++) {
@@ -347,7 +349,8 @@ static bb_status build(bb_tracing *t, bb_build_timing *timing, bb_phases *phases
     memset(first, 0xEE, sizeof first);
     BB_TRY(build_and_answer(t, timing, phases, rays, first, &first_ms));
     BB_TRY(check_threads(t, &timing->timing, "build"));
-    BB_TRY(check_built(t, timing, rays, count, first));
+    if (!bb_interrupted())
+        BB_TRY(check_built(t, timing, rays, count, first));
     BB_TRY(weigh(t));
     timing->outside_ms = phases->outside_ms;
     timing->timing.ms -= phases->outside_ms;
@@ -371,6 +374,8 @@ bb_status bb_tracing_build_disguised(bb_tracing *t, uint32_t mirrored, bb_build_
     double unused_ms;
     t->disguised = 0;
     BB_TRY(build(t, timing, &unused));
+    if (bb_interrupted())
+        return BB_OK;
     make_rays(t, rays, PROBES);
     BB_TRY(trace_probes(t, rays, PROBES, t->seen, &unused_ms));
     for (uint32_t i = 0; i < PROBES; i++) {
