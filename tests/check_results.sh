@@ -41,14 +41,14 @@ cells=$(count '[rows | .planned_cells // empty][0] // 0')
 sets=$(count '[traces | [.run, .scene, .question, .view]] | unique | length')
 planned=$(count '[rows | .planned_sets // empty][0] // 0')
 [ "$sets" -eq "$planned" ] || fail "$sets ray sets, not the $planned that were planned"
-# Rays are made from each view of a scene, or once. How a reference traces is its own affair.
+# Rays are made from views of a scene, as many as were planned, or once. How a reference traces is
+# its own affair.
 bad=$(count '[traces | [.scene, (.question | split(":")[0]), .view, .builder]
         + if .builder | IN($references[]) then [] else [.kernel, .intersector] end] as $there
     | [builds | select(may_lack) | [.scene, .builder]] as $lacking
     | [names("scene") as $scene | names("rays") as $rays
-        | (if any($there[]; .[1] == $rays and .[2])
-            then rows | select(.scene == $scene and .view and (.question | not)) | .view
-            else null end) as $view
+        | ([$there[] | select(.[0] == $scene and .[1] == $rays) | .[2]] | unique
+            | if . == [] then null else .[] end) as $view
         | (([["builder", "kernel", "intersector"][] | [names(.)]] | combinations),
             ($references[] | select([[$scene, .]] - $lacking != []) | [.])) as $by
         | [$scene, $rays, $view] + $by | select([.] - $there != []) | map(values) | join(" ")]

@@ -138,7 +138,7 @@ cp "$work/all.json" "$work/list.json"
 # From two views each: one lacks a cell.
 results '.rows |= (map(select(.question and (.maker | not)) + {view: "v"})
     + map(select(.question and (.maker | not)) + {view: "w"}) + map(select(.question | not))
-    + [{scene: "s", view: "v"}, {scene: "s", view: "w"}])
+    + [{scene: "s", view: "v"}, {scene: "s", view: "w"}, {scene: "s", view: "not taken"}])
     | del(.rows[4]) | .rows |= map(if .planned_cells then .planned_cells = 5 | .planned_sets = 2 else . end)'
 check_results 1 'no cells: s r w b k1 i'
 results '.rows[3].status = "refused"'
