@@ -256,7 +256,7 @@ static char *script_of(bb_results *results, uint32_t *pictures)
     static size_t size;
     bb_charts charts = charts_of(results);
     FILE *out = open_memstream(&text, &size);
-    assert_int_equal(bb_charts_script(&charts, out, pictures), BB_OK);
+    assert_int_equal(bb_charts_script(&charts, NULL, out, pictures), BB_OK);
     fclose(out);
     bb_charts_free(&charts);
     return text;

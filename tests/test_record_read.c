@@ -32,7 +32,7 @@ static bool survives(const char *path, FILE *sink)
     bb_charts charts;
     uint32_t pictures;
     assert_int_equal(bb_charts_make(results, &charts), BB_OK);
-    assert_int_equal(bb_charts_script(&charts, sink, &pictures), BB_OK);
+    assert_int_equal(bb_charts_script(&charts, NULL, sink, &pictures), BB_OK);
     bb_charts_free(&charts);
     bb_results *twice = NULL;
     assert_int_equal(bb_results_read(path, &twice), BB_OK);

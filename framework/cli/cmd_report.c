@@ -1,5 +1,6 @@
 /* bvhbench report: result files into one HTML page, and its charts as pictures. */
 #include "framework/base/file.h"
+#include "framework/base/number.h"
 #include "framework/cli/choice.h"
 #include "framework/cli/inputs.h"
 #include "framework/cli/out_option.h"
@@ -18,14 +19,22 @@
 #include <sys/stat.h>
 
 typedef struct wanted {
-    const char *out, *history;
+    const char *out, *history, *figure, *width;
     bool table, markdown, google_benchmark, csv, samples;
     uint32_t charts;
 } wanted;
 
 static const bb_cli_option options[] = {
-    {"out", "FILE.html", "where to write the report; default: report.html beside the first input",
+    {"out", "FILE", "where to write the report; default: report.html beside the first input",
      BB_INTO(wanted, out)},
+    {"figure", "NAME",
+     "instead of the report, one of its charts for print, without title and colours, with names "
+     "for "
+     "keys: NAME.svg in the folder of charts; --out FILE.pdf, .svg or .png",
+     BB_INTO(wanted, figure),
+     .apart = "table|markdown|google-benchmark|csv|samples|charts|history"},
+    {"width", "W", "width of the figure in mm", BB_INTO(wanted, width), .fallback = "84mm",
+     .with = "figure"},
     {"history", "DB", "instead of files, report a database of runs: each cell over the revisions",
      BB_INTO(wanted, history), .apart = "table|markdown|google-benchmark|csv|samples|charts"},
     {"table", NULL, "print the full tables; write no report unless --out is given",
@@ -170,6 +179,34 @@ static bb_status report_table(const bb_cli *cli, const wanted *w, const char *pa
                                 w->out);
 }
 
+/* Checks what can be said without the results. */
+static bb_status check_figure(const wanted *w, double *width_mm)
+{
+    enum { LEAST = 30, MOST = 500 };
+    char number[32] = "";
+    const size_t length = strcspn(w->width, "m");
+    const char *dot = w->out != NULL ? strrchr(w->out, '.') : NULL;
+    if (dot == NULL ||
+        (strcmp(dot, ".pdf") != 0 && strcmp(dot, ".svg") != 0 && strcmp(dot, ".png") != 0))
+        return bb_fail(BB_INVALID, "report: a figure needs --out FILE.pdf, FILE.svg or FILE.png");
+    if (length < sizeof number)
+        memcpy(number, w->width, length);
+    if (strcmp(w->width + length, "mm") != 0 || !bb_read_real(number, width_mm) ||
+        *width_mm < LEAST || *width_mm > MOST)
+        return bb_fail(BB_INVALID, "--width is '%.40s', must be from %dmm to %dmm, such as 84mm",
+                       w->width, LEAST, MOST);
+    if (!bb_report_can_draw())
+        return bb_fail(BB_INVALID, "report: a figure is drawn by gnuplot, which is not installed");
+    return BB_OK;
+}
+
+static bb_status report_figure(const wanted *w, bb_results *results, double width_mm)
+{
+    BB_TRY(bb_report_figure(results, w->figure, width_mm, w->out));
+    printf(" figure  %s\n", w->out);
+    return BB_OK;
+}
+
 static bb_status run(const bb_cli *cli, void *values, int *exit_status)
 {
     (void)exit_status;
@@ -180,7 +217,13 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
         return bb_fail(BB_INVALID, "report: give a result file, or the folder of a run");
     for (uint32_t i = 0; i < cli->positional_count; i++)
         if (bb_table_is_other(cli->positional[i], "run"))
-            return report_table(cli, w, cli->positional[i]);
+            return w->figure == NULL
+                       ? report_table(cli, w, cli->positional[i])
+                       : bb_fail(BB_INVALID, "report: %s is no run, of which there are figures",
+                                 cli->positional[i]);
+    double width_mm = 0;
+    if (w->figure != NULL)
+        BB_TRY(check_figure(w, &width_mm));
     bb_results *all = NULL;
     char *folder = NULL, beside[PATH_MAX];
     const bool only = w->table || w->markdown || w->csv || w->samples || w->google_benchmark;
@@ -191,13 +234,15 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
     bb_status status = read_inputs(cli, &all, &folder);
     if (status == BB_OK)
         status = bb_predictions_record(all);
-    if (status == BB_OK)
+    if (status == BB_OK && w->figure != NULL)
+        status = report_figure(w, all, width_mm);
+    else if (status == BB_OK)
         status = print(w, all);
     if (status == BB_OK && w->out == NULL && !only) {
         status = bb_join_path(beside, folder, "report.html");
         w->out = beside;
     }
-    if (status == BB_OK && w->out != NULL)
+    if (status == BB_OK && w->out != NULL && w->figure == NULL)
         status = write_page(all, w->out, !only, w->charts);
     bb_results_destroy(all);
     free(folder);

@@ -1,17 +1,18 @@
-/* Writes series, axes and marks of the pictures in gnuplot's language. */
+/* Writes series and marks of the pictures in gnuplot's language. */
 #include "framework/report/chart_plot.h"
 #include "framework/record/record.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { COLOURS = 12, SHAPES = 6 };
+enum { COLOURS = 12, GREYS = 3, SHAPES = 6 };
 
 /* Colours of the page on white, and gnuplot's numbers of marks: circle, triangle, square, diamond,
  * triangle on its head, pentagon. */
 static const unsigned colours[COLOURS] = {0x0b62b0, 0xb8420f, 0x17734a, 0x8a3a9b,
                                           0x7a5a00, 0x00727a, 0xb0103e, 0x5a5f66,
                                           0x4b6b00, 0x4f46c4, 0x9c4668, 0x2b2b2b};
+static const unsigned greys[GREYS] = {0x000000, 0x707070, 0xa8a8a8};
 static const int filled[SHAPES] = {7, 9, 5, 13, 11, 15}, hollow[SHAPES] = {6, 8, 4, 12, 10, 14};
 
 /* ---- series ---- */
@@ -46,16 +47,56 @@ void bb_series_add(bb_series *list, const bb_chart_cell *cell)
         list->cells[list->count++] = cell;
 }
 
-unsigned bb_plot_colour(uint32_t series)
+unsigned bb_plot_colour(const bb_plot *p, uint32_t series)
 {
-    return colours[series % COLOURS];
+    return p->figure == NULL ? colours[series % COLOURS] : greys[series / SHAPES % GREYS];
 }
 
-void bb_plot_kernel_key(uint32_t series, char key[BB_PLOT_KEY])
+/* Writes the values of a specification without their keys: "embree-native:high,fast". */
+static void drop_keys(char *name)
 {
+    char *to = name + strcspn(name, ":"), *from = to;
+    while (*from != '\0') {
+        const char *end = from + 1 + strcspn(from + 1, ",");
+        const char *equals = memchr(from, '=', (size_t)(end - from));
+        *to++ = *from++;
+        from = equals != NULL ? (char *)equals + 1 : from;
+        while (from < end)
+            *to++ = *from++;
+    }
+    *to = '\0';
+}
+
+/* Writes what a series is called in print: without options, or if another series has the same name
+ * then, without their keys. */
+static void series_name(const bb_plot *p, const bb_series *list, const bb_chart_cell *cell,
+                        char *name, size_t capacity)
+{
+    const bb_field_id field = list == &p->kernels ? BB_F_TRACE_KERNEL : BB_F_TRACE_BUILDER;
+    const char *text = bb_get_text(cell->trace, field);
+    const size_t brief = strcspn(text, ":");
+    bool alone = true;
+    for (uint32_t i = 0; i < list->count; i++) {
+        const char *other = bb_get_text(list->cells[i]->trace, field);
+        alone = alone && (list->same(list->cells[i], cell) || strcspn(other, ":") != brief ||
+                          strncmp(other, text, brief) != 0);
+    }
+    snprintf(name, capacity, "%.*s", alone ? (int)brief : (int)capacity, text);
+    drop_keys(name);
+    const size_t used = strlen(name);
+    if (p->several_runs && list != &p->kernels)
+        snprintf(name + used, capacity - used, " (run %.0f)", bb_chart_run(cell) + 1);
+}
+
+void bb_plot_kernel_key(const bb_plot *p, const bb_chart_cell *cell, char key[BB_PLOT_KEY])
+{
+    if (p->figure != NULL) {
+        series_name(p, &p->kernels, cell, key, BB_PLOT_KEY);
+        return;
+    }
     char reversed[BB_PLOT_KEY];
     int length = 0, at = 0;
-    for (uint32_t rest = series + 1; rest > 0; rest = (rest - 1) / 26)
+    for (uint32_t rest = bb_series_find(&p->kernels, cell) + 1; rest > 0; rest = (rest - 1) / 26)
         reversed[length++] = (char)('A' + (rest - 1) % 26);
     while (length > 0)
         key[at++] = reversed[--length];
@@ -64,16 +105,32 @@ void bb_plot_kernel_key(uint32_t series, char key[BB_PLOT_KEY])
 
 void bb_plot_builder_key(const bb_plot *p, const bb_chart_cell *cell, char key[BB_PLOT_KEY])
 {
-    uint32_t index = bb_series_find(cell->reference ? &p->references : &p->builders, cell);
-    snprintf(key, BB_PLOT_KEY, "%s%u", cell->reference ? "R" : "", index + 1);
+    const bb_series *list = cell->reference ? &p->references : &p->builders;
+    if (p->figure != NULL)
+        series_name(p, list, cell, key, BB_PLOT_KEY);
+    else
+        snprintf(key, BB_PLOT_KEY, "%s%u", cell->reference ? "R" : "",
+                 bb_series_find(list, cell) + 1);
 }
 
-int bb_plot_shape(const bb_plot *p, const bb_chart_cell *cell)
+/* In print, where names stand beside the marks, shapes tell series apart if they can. */
+static bool shapes_are_series(const bb_plot *p)
 {
-    if (cell->reference)
-        return BB_PLOT_CROSS;
-    uint32_t index = bb_series_find(&p->intersectors, cell) % SHAPES;
-    return cell->wrong_rays > 0 ? filled[index] : hollow[index];
+    return p->figure != NULL && p->intersectors.count <= 1;
+}
+
+void bb_plot_look(const bb_plot *p, const bb_series *list, bb_mark *mark)
+{
+    const bb_chart_cell *cell = mark->cell;
+    const uint32_t series = bb_series_find(list, cell);
+    mark->colour = cell->reference ? BB_PLOT_BLACK : bb_plot_colour(p, series);
+    if (cell->reference) {
+        mark->shape = BB_PLOT_CROSS;
+        return;
+    }
+    const uint32_t shape =
+        (shapes_are_series(p) ? series : bb_series_find(&p->intersectors, cell)) % SHAPES;
+    mark->shape = cell->wrong_rays > 0 ? filled[shape] : hollow[shape];
 }
 
 /* ---- text ---- */
@@ -101,79 +158,16 @@ void bb_plot_brief(double value, char text[32])
     snprintf(text, 32, "%.3g%s", units[i].size > 0 ? value / units[i].size : value, units[i].unit);
 }
 
-/* ---- axes ---- */
-
-bb_chart_axis bb_axis_make(bool log)
+void bb_plot_list_in(char *list, size_t capacity, const char *name)
 {
-    return (bb_chart_axis){INFINITY, -INFINITY, log};
-}
-
-void bb_axis_add(bb_chart_axis *a, double value)
-{
-    if (!isfinite(value) || (a->log && !(value > 0)))
+    const size_t used = strlen(list), length = strlen(name);
+    for (const char *at = list; (at = strstr(at, name)) != NULL; at += length)
+        if ((at == list || at[-1] == ' ') && (at[length] == ',' || at[length] == '\0'))
+            return;
+    if (used >= 3 && strcmp(list + used - 3, "...") == 0)
         return;
-    a->low = fmin(a->low, value);
-    a->high = fmax(a->high, value);
-}
-
-void bb_axis_round(bb_chart_axis *a)
-{
-    if (a->log) {
-        a->low = pow(10, floor(log10(a->low) - 1e-9));
-        a->high = pow(10, ceil(log10(a->high) + 1e-9));
-        return;
-    }
-    double room = a->high > a->low ? 0.08 * (a->high - a->low) : 0.1 * fabs(a->high) + 1e-9;
-    a->low = a->low >= 0 ? fmax(0, a->low - room) : a->low - room;
-    a->high += room;
-}
-
-/* Returns the position along the axis, from 0 to 1. */
-static double along(const bb_chart_axis *a, double value)
-{
-    return a->log ? log10(value / a->low) / log10(a->high / a->low)
-                  : (value - a->low) / (a->high - a->low);
-}
-
-void bb_plot_begin(bb_plot *p, const bb_chart_frame *f)
-{
-    FILE *out = p->out;
-    /* the legend adds to the height and does not shrink the plot */
-    fprintf(out, "\nreset\nset encoding utf8\nheight = %u\nset output '%s_%s.svg'\n",
-            560 + 19 * (f->entries + 1), p->stem, f->kind);
-    fputs("set terminal svg noenhanced size 960,height dynamic font 'sans-serif,13' background "
-          "'#ffffff'\nset title '",
-          out);
-    bb_plot_quoted(out, p->set->scene);
-    fputs(", ", out);
-    bb_plot_quoted(out, p->set->rays);
-    if (p->set->cell_count > 0 &&
-        strcmp(bb_get_text(p->set->cells[0].trace, BB_F_TRACE_RAYS_SOURCE), "as given") == 0)
-        fputs(" (rays as given)", out);
-    /* only the line break is in double quotes, which would expand names */
-    fprintf(out, ": %s'.\"\\n%s", f->title, f->subtitle);
-    if (f->left_out > 0)
-        fprintf(out, "\\nnot drawn, since not checked or without a result in a view: %u cells",
-                f->left_out);
-    fprintf(out, "\"\nset xlabel '%s'\nset ylabel '%s'\n", f->x_title, f->y_title);
-    fputs("set key below left Left reverse vertical samplen 2 title ' '\nset grid back lc rgb "
-          "'#d3d7dc' lt 1\nset border lc rgb '#565d67'\nset errorbars small\nset pointsize 1.1\n"
-          "set rmargin 4\n",
-          out);
-    fprintf(out, "set xrange [%.9g:%.9g]\nset yrange [%.9g:%.9g]\n", f->x.low, f->x.high, f->y.low,
-            f->y.high);
-    fprintf(out, "%s%s", f->x.log ? "set logscale x\nset format x '%.0s%c'\n" : "",
-            f->y.log ? "set logscale y\nset format y '%.0s%c'\n" : "");
-}
-
-void bb_plot_end(bb_plot *p, const bb_chart_frame *f)
-{
-    fprintf(p->out,
-            "\nset terminal pngcairo noenhanced size 1440,1.5*height fontscale 1.5 linewidth 1.5 "
-            "pointscale 2.4 font 'sans-serif,13' background '#ffffff'\nset output '%s_%s.png'\n"
-            "replot\n",
-            p->stem, f->kind);
-    p->pictures++;
+    const char *more = used + length + 8 < capacity ? name : "...";
+    snprintf(list + used, capacity - used, "%s%s", used > 0 ? ", " : "", more);
 }
 
 /* ---- marks ---- */
@@ -181,18 +175,6 @@ void bb_plot_end(bb_plot *p, const bb_chart_frame *f)
 static double or_else(double value, double fallback)
 {
     return isfinite(value) ? value : fallback;
-}
-
-void bb_plot_place_keys(bb_mark *marks, uint32_t count, const bb_chart_axis *x,
-                        const bb_chart_axis *y)
-{
-    for (uint32_t i = 0; i < count; i++) {
-        marks[i].labelled = true;
-        for (uint32_t k = 0; k < i && marks[i].labelled; k++)
-            if (marks[k].labelled && fabs(along(x, marks[i].x) - along(x, marks[k].x)) < 0.035 &&
-                fabs(along(y, marks[i].y) - along(y, marks[k].y)) < 0.04)
-                marks[i].labelled = false;
-    }
 }
 
 void bb_plot_speed(bb_mark *mark, bb_chart_axis *y)
@@ -209,19 +191,29 @@ void bb_plot_speed(bb_mark *mark, bb_chart_axis *y)
     bb_axis_add(y, mark->y_most);
 }
 
+void bb_plot_column(FILE *out, const char *text)
+{
+    fputs(" \"", out);
+    for (; *text != '\0'; text++)
+        fputc((unsigned char)*text < 0x20 || *text == '"' || *text == '\\' ? '?' : *text, out);
+    fputc('"', out);
+}
+
 /* Writes the data: x y, both intervals, colour, mark, length of the arrow for "at most", least and
- * length of the range, key. */
+ * length of the range, key to the right or to the left. */
 static void print_marks(FILE *out, const bb_mark *marks, uint32_t count)
 {
     fputs("$marks << EOD\n", out);
     for (uint32_t i = 0; i < count; i++) {
         const bb_mark *m = &marks[i];
         double least = or_else(m->y_least, m->y), most = or_else(m->y_most, m->y);
-        fprintf(out, "%.9g %.9g %.9g %.9g %.9g %.9g %u %d %.9g %.9g %.9g %s\n", m->x, m->y,
+        fprintf(out, "%.9g %.9g %.9g %.9g %.9g %.9g %u %d %.9g %.9g %.9g", m->x, m->y,
                 m->at_most ? m->x : or_else(m->x_low, m->x), or_else(m->x_high, m->x),
                 or_else(m->y_low, m->y), or_else(m->y_high, m->y), m->colour, m->shape,
-                m->at_most ? m->x / 1.35 - m->x : 0.0, least, most - least,
-                m->labelled ? m->key : "");
+                m->at_most ? m->x / 1.35 - m->x : 0.0, least, most - least);
+        bb_plot_column(out, m->label_right > 0 ? m->key : "");
+        bb_plot_column(out, m->label_right < 0 ? m->key : "");
+        fputc('\n', out);
     }
     fputs("EOD\n", out);
 }
@@ -236,7 +228,8 @@ void bb_plot_marks(FILE *out, const bb_mark *marks, uint32_t count, bool front)
         "notitle, \\\n $marks using 1:2:9:(0) with vectors head filled size screen 0.008,20 lc "
         "rgb '#565d67' notitle, \\\n $marks using 1:2:8:7 with points pt variable lc rgb "
         "variable notitle, \\\n $marks using 1:2:12 with labels left offset char 0.8,0.5 tc "
-        "rgb '#1b1e23' notitle",
+        "rgb '#1b1e23' notitle, \\\n $marks using 1:2:13 with labels right offset char -0.8,0.5 "
+        "tc rgb '#1b1e23' notitle",
         front ? "$front using 1:2 with lines lw 1.2 lc rgb '#565d67' title 'Pareto front', "
                 "\\\n "
               : "");
@@ -250,32 +243,37 @@ static void legend_entry(FILE *out, unsigned colour, int shape, const char *key,
     fputc('\'', out);
 }
 
-static void legend_builder(const bb_plot *p, const bb_chart_cell *cell, unsigned colour, int shape)
+static void legend_series(const bb_plot *p, const bb_series *list, uint32_t series, bool coloured)
 {
+    const bb_chart_cell *cell = list->cells[series];
     char key[BB_PLOT_KEY], name[600];
-    bb_plot_builder_key(p, cell, key);
-    bb_chart_builder_name(cell, p->several_runs, name, sizeof name);
-    legend_entry(p->out, colour, shape, key, name);
+    if (list == &p->kernels)
+        bb_plot_kernel_key(p, cell, key);
+    else
+        bb_plot_builder_key(p, cell, key);
+    if (p->figure != NULL)
+        snprintf(name, sizeof name, "%s", key);
+    else if (list == &p->kernels)
+        snprintf(name, sizeof name, "%s", bb_get_text(cell->trace, BB_F_TRACE_KERNEL));
+    else
+        bb_chart_builder_name(cell, p->several_runs, name, sizeof name);
+    const int shape = list->references                   ? BB_PLOT_CROSS
+                      : !coloured && list == &p->kernels ? 0
+                      : shapes_are_series(p)             ? filled[series % SHAPES]
+                                                         : 5;
+    legend_entry(p->out, coloured ? bb_plot_colour(p, series) : BB_PLOT_BLACK, shape,
+                 p->figure == NULL ? key : "", name);
 }
 
 void bb_plot_legend_series(const bb_plot *p, const bb_series *list, uint32_t marks, bool coloured)
 {
     for (uint32_t i = 0; i < list->count; i++) {
-        const bb_chart_cell *cell = list->cells[i];
         uint32_t k = 0;
         while (k < marks && (p->marks[k].cell->reference != list->references ||
-                             !list->same(p->marks[k].cell, cell)))
+                             !list->same(p->marks[k].cell, list->cells[i])))
             k++;
-        char key[BB_PLOT_KEY];
-        bb_plot_kernel_key(i, key);
-        if (k == marks)
-            continue;
-        if (list == &p->kernels)
-            legend_entry(p->out, coloured ? bb_plot_colour(i) : BB_PLOT_BLACK, coloured ? 5 : 0,
-                         key, bb_get_text(cell->trace, BB_F_TRACE_KERNEL));
-        else
-            legend_builder(p, cell, coloured ? bb_plot_colour(i) : BB_PLOT_BLACK,
-                           list->references ? BB_PLOT_CROSS : 5);
+        if (k < marks)
+            legend_series(p, list, i, coloured);
     }
 }
 
@@ -298,6 +296,8 @@ void bb_plot_legend_spread(const bb_plot *p, uint32_t marks)
 
 void bb_plot_legend_shapes(const bb_plot *p)
 {
+    if (shapes_are_series(p))
+        return;
     for (uint32_t i = 0; i < p->intersectors.count; i++)
         legend_entry(p->out, BB_PLOT_BLACK, filled[i % SHAPES], "",
                      bb_get_text(p->intersectors.cells[i]->trace, BB_F_TRACE_INTERSECTOR));

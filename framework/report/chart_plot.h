@@ -1,13 +1,13 @@
-/* Shared by all pictures: series with colours and keys, axes and marks, written in gnuplot's
+/* Shared by all pictures: series with their looks and keys, axes and marks, written in gnuplot's
  * language. */
 #ifndef BB_CHART_PLOT_H
 #define BB_CHART_PLOT_H
 
-#include "framework/report/chart.h"
+#include "framework/report/chart_script.h"
 
 #include <stdio.h>
 
-enum { BB_PLOT_KEY = 16, BB_PLOT_STEM = 160, BB_PLOT_CROSS = 2, BB_PLOT_BLACK = 0x1b1e23 };
+enum { BB_PLOT_KEY = 64, BB_PLOT_STEM = 160, BB_PLOT_CROSS = 2, BB_PLOT_BLACK = 0x1b1e23 };
 
 /* ---- series ---- */
 
@@ -39,21 +39,24 @@ typedef struct bb_mark {
     double y_least, y_most; /* range of too few rounds for an interval; NAN if there is one */
     unsigned colour;
     int shape;
-    bool at_most; /* gets an arrow to the left: the value is an upper bound */
-    bool labelled;
+    bool at_most;    /* gets an arrow to the left: the value is an upper bound */
+    int label_right; /* the key is to the right of the mark (1), to the left (-1), or left out */
     char key[BB_PLOT_KEY];
 } bb_mark;
 
 /* The series of all pictures, and the picture being written. */
 typedef struct bb_plot {
-    FILE *out;
+    FILE *out; /* `script` while a wanted picture is written, else `nowhere` */
+    FILE *script, *nowhere;
+    const bb_figure *figure; /* NULL: all pictures for the screen */
     bb_series kernels, builders, intersectors, references;
     bool several_runs;
     const bb_chart_set *set;
     char stem[BB_PLOT_STEM]; /* file name of the set's pictures, without kind and extension */
     uint32_t pictures;
+    char sets[512], kinds[256]; /* what a figure's name may be made of: for a message */
     /* buffers with room for the cells of a set */
-    bb_mark *marks; /* two per cell */
+    bb_mark *marks; /* three per cell */
     bb_chart_point *points;
     uint32_t *front;
     bb_time_line *lines;
@@ -61,9 +64,10 @@ typedef struct bb_plot {
     const bb_chart_cell **cells;
 } bb_plot;
 
-unsigned bb_plot_colour(uint32_t series);
-/* Kernels A, B ... Z, AA ...; builders 1, 2 ...; references R1, R2 ... */
-void bb_plot_kernel_key(uint32_t series, char key[BB_PLOT_KEY]);
+/* In print the same grey for each six series, whose shapes differ. */
+unsigned bb_plot_colour(const bb_plot *p, uint32_t series);
+/* Kernels A, B ... Z, AA ...; builders 1, 2 ...; references R1, R2 ...; in print their names. */
+void bb_plot_kernel_key(const bb_plot *p, const bb_chart_cell *cell, char key[BB_PLOT_KEY]);
 void bb_plot_builder_key(const bb_plot *p, const bb_chart_cell *cell, char key[BB_PLOT_KEY]);
 
 /* ---- text ---- */
@@ -72,6 +76,10 @@ void bb_plot_builder_key(const bb_plot *p, const bb_chart_cell *cell, char key[B
 void bb_plot_quoted(FILE *out, const char *text);
 /* Writes three digits and a unit: "12.3 M". */
 void bb_plot_brief(double value, char text[32]);
+
+/* Adds a name to a list for a message unless it is there, or the sign that there are more. */
+#define bb_plot_list(list, name) bb_plot_list_in(list, sizeof(list), name)
+void bb_plot_list_in(char *list, size_t capacity, const char *name);
 
 /* ---- axes ---- */
 
@@ -96,21 +104,26 @@ typedef struct bb_chart_frame {
     uint32_t left_out;  /* number of cells that are not drawn; the picture shows it */
 } bb_chart_frame;
 
-/* Writes titles, axes and style of the SVG. bb_plot_end() repeats the plot as PNG. */
+/* Writes titles, axes and style of the SVG, or of the figure. bb_plot_end() repeats the plot as PNG.
+ * To be called before anything else is written to p->out, which goes nowhere if the picture is not
+ * wanted. */
 void bb_plot_begin(bb_plot *p, const bb_chart_frame *frame);
 void bb_plot_end(bb_plot *p, const bb_chart_frame *frame);
 
 /* ---- marks ---- */
 
-/* Returns the shape of the cell's intersector: filled, or hollow if none of its rays was wrong.
- * References are crosses. */
-int bb_plot_shape(const bb_plot *p, const bb_chart_cell *cell);
+/* Sets colour and shape of a mark: its colour is that of its series in `list`, its shape that of
+ * its intersector, or in print, where there is but one intersector, of its series; filled, or hollow
+ * if none of the cell's rays was wrong. References are crosses. */
+void bb_plot_look(const bb_plot *p, const bb_series *list, bb_mark *mark);
 /* Sets the mark's y to the cell's speed, with its interval or else its range, and extends the axis
  * to them. */
 void bb_plot_speed(bb_mark *mark, bb_chart_axis *y);
 /* Labels as many marks as there is room for, in their order. */
-void bb_plot_place_keys(bb_mark *marks, uint32_t count, const bb_chart_axis *x,
+void bb_plot_place_keys(const bb_plot *p, bb_mark *marks, uint32_t count, const bb_chart_axis *x,
                         const bb_chart_axis *y);
+/* Writes text as a column of a data block. */
+void bb_plot_column(FILE *out, const char *text);
 /* Writes the data block $marks and the plot command for it; legend entries may follow. */
 void bb_plot_marks(FILE *out, const bb_mark *marks, uint32_t count, bool front);
 /* Writes legend entries for the series of `list` that one of p's first `marks` marks belongs to.

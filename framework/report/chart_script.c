@@ -33,20 +33,28 @@ static void name_pictures(bb_plot *p, stem *stems, uint32_t *count)
     memcpy(stems[(*count)++], p->stem, sizeof(stem));
 }
 
-static void collect_series(bb_plot *p, const bb_charts *charts)
+static void add_series(bb_plot *p, const bb_chart_set *set)
 {
-    for (uint32_t i = 0; i < charts->set_count; i++) {
-        for (uint32_t k = 0; k < charts->sets[i].cell_count; k++) {
-            const bb_chart_cell *cell = &charts->sets[i].cells[k];
-            bb_series_add(&p->builders, cell);
-            bb_series_add(&p->references, cell);
-            bb_series_add(&p->kernels, cell);
-            bb_series_add(&p->intersectors, cell);
-        }
+    for (uint32_t k = 0; k < set->cell_count; k++) {
+        const bb_chart_cell *cell = &set->cells[k];
+        bb_series_add(&p->builders, cell);
+        bb_series_add(&p->references, cell);
+        bb_series_add(&p->kernels, cell);
+        bb_series_add(&p->intersectors, cell);
     }
     for (uint32_t i = 0; i < p->builders.count; i++)
         if (bb_chart_run(p->builders.cells[i]) != bb_chart_run(p->builders.cells[0]))
             p->several_runs = true;
+}
+
+/* A figure has only what its set has. */
+static void collect_series(bb_plot *p, const bb_charts *charts, const bb_chart_set *only)
+{
+    p->kernels.count = p->builders.count = p->intersectors.count = p->references.count = 0;
+    p->several_runs = false;
+    for (uint32_t i = 0; i < charts->set_count; i++)
+        if (only == NULL || only == &charts->sets[i])
+            add_series(p, &charts->sets[i]);
 }
 
 static bool reserve(bb_plot *p, size_t cells)
@@ -57,7 +65,7 @@ static bool reserve(bb_plot *p, size_t cells)
         series[i]->cells = calloc(cells, sizeof *series[i]->cells);
         ok = ok && series[i]->cells != NULL;
     }
-    p->marks = calloc(2 * cells, sizeof *p->marks);
+    p->marks = calloc(3 * cells, sizeof *p->marks);
     p->points = calloc(cells, sizeof *p->points);
     p->front = calloc(cells, sizeof *p->front);
     p->lines = calloc(cells, sizeof *p->lines);
@@ -81,9 +89,21 @@ static void release(bb_plot *p)
     free(p->cells);
 }
 
-bb_status bb_charts_script(const bb_charts *charts, FILE *out, uint32_t *pictures)
+static bb_status no_such_figure(const bb_plot *p)
+{
+    return bb_fail(BB_INVALID,
+                   "report: there is no figure '%.160s': figures are SET_KIND, SET one of %s, and "
+                   "KIND one of %s",
+                   p->figure->name, p->sets, p->kinds);
+}
+
+bb_status bb_charts_script(const bb_charts *charts, const bb_figure *figure, FILE *out,
+                           uint32_t *pictures)
 {
     bb_plot plot = {.out = out,
+                    .script = out,
+                    .nowhere = figure != NULL ? fopen("/dev/null", "w") : NULL,
+                    .figure = figure,
                     .kernels = {.same = bb_same_kernel},
                     .builders = {.same = bb_same_builder},
                     .intersectors = {.same = bb_same_intersector},
@@ -95,25 +115,32 @@ bb_status bb_charts_script(const bb_charts *charts, FILE *out, uint32_t *picture
         cells += charts->sets[i].cell_count;
     stem *stems = calloc((size_t)charts->set_count + 1, sizeof *stems);
     *pictures = 0;
-    if (!reserve(&plot, cells) || stems == NULL) {
+    if (!reserve(&plot, cells) || stems == NULL || (figure != NULL && plot.nowhere == NULL)) {
         status = bb_fail(BB_FAILED, "charts: no memory");
         goto out;
     }
-    collect_series(&plot, charts);
+    collect_series(&plot, charts, NULL);
     fputs("# Charts of a bvhbench report: `gnuplot charts.gp` in this folder draws them again.\n",
           out);
     for (uint32_t i = 0; i < charts->set_count; i++) {
         if (charts->sets[i].view != NULL)
             continue;
         plot.set = &charts->sets[i];
+        if (figure != NULL)
+            collect_series(&plot, charts, plot.set);
         name_pictures(&plot, stems, &stem_count);
+        bb_plot_list(plot.sets, plot.stem);
         for (const bb_drawing *const *d = bb_drawings; *d != NULL; d++)
             for (uint32_t k = 0; k < BB_DRAWINGS_MAX; k++)
                 if ((*d)->draw[k] != NULL)
                     (*d)->draw[k](&plot);
     }
     *pictures = plot.pictures;
+    if (figure != NULL && plot.pictures == 0)
+        status = no_such_figure(&plot);
 out:
+    if (plot.nowhere != NULL)
+        fclose(plot.nowhere);
     free(stems);
     release(&plot);
     return status;

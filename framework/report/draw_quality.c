@@ -4,22 +4,22 @@
 #include <math.h>
 #include <stdio.h>
 
-/* "1A": builder and kernel. */
-static void builder_and_kernel_key(const bb_plot *p, const bb_chart_cell *cell,
-                                   char key[BB_PLOT_KEY])
+/* "1A": builder and kernel. In print, where marks have looks by kernel, the builder. */
+static void set_key(const bb_plot *p, bb_mark *mark)
 {
     char builder[BB_PLOT_KEY], kernel[BB_PLOT_KEY];
-    bb_plot_builder_key(p, cell, builder);
-    bb_plot_kernel_key(bb_series_find(&p->kernels, cell), kernel);
-    snprintf(key, BB_PLOT_KEY, "%.8s%.7s", builder, kernel);
+    bb_plot_builder_key(p, mark->cell, builder);
+    bb_plot_kernel_key(p, mark->cell, kernel);
+    snprintf(mark->key, BB_PLOT_KEY, "%.40s%.7s", builder, p->figure == NULL ? kernel : "");
 }
 
 static void draw_metric(bb_plot *p, bb_chart_frame *f, uint32_t metric)
 {
+    const bb_series *coloured = p->figure == NULL ? &p->builders : &p->kernels;
     uint32_t count = 0;
     f->x = f->y = bb_axis_make(false);
     f->y_title = "Mrays/s";
-    f->entries = p->builders.count + p->kernels.count + 2;
+    f->entries = p->kernels.count + 2 + (p->figure == NULL ? p->builders.count : 0);
     f->left_out = p->set->incomplete;
     bb_axis_add(&f->y, 0);
     for (uint32_t i = 0; i < p->set->cell_count; i++) {
@@ -27,13 +27,9 @@ static void draw_metric(bb_plot *p, bb_chart_frame *f, uint32_t metric)
         if (cell->reference || !isfinite(cell->metrics[metric]))
             continue;
         bb_mark *mark = &p->marks[count++];
-        *mark = (bb_mark){.cell = cell,
-                          .x = cell->metrics[metric],
-                          .x_low = NAN,
-                          .x_high = NAN,
-                          .colour = bb_plot_colour(bb_series_find(&p->builders, cell)),
-                          .shape = bb_plot_shape(p, cell)};
-        builder_and_kernel_key(p, cell, mark->key);
+        *mark = (bb_mark){.cell = cell, .x = cell->metrics[metric], .x_low = NAN, .x_high = NAN};
+        bb_plot_look(p, coloured, mark);
+        set_key(p, mark);
         bb_axis_add(&f->x, mark->x);
         bb_plot_speed(mark, &f->y);
     }
@@ -42,10 +38,11 @@ static void draw_metric(bb_plot *p, bb_chart_frame *f, uint32_t metric)
     bb_axis_round(&f->x);
     bb_axis_round(&f->y);
     bb_plot_begin(p, f);
-    bb_plot_place_keys(p->marks, count, &f->x, &f->y);
+    bb_plot_place_keys(p, p->marks, count, &f->x, &f->y);
     bb_plot_marks(p->out, p->marks, count, false);
-    bb_plot_legend_series(p, &p->builders, count, true);
-    bb_plot_legend_series(p, &p->kernels, count, false);
+    bb_plot_legend_series(p, coloured, count, true);
+    if (p->figure == NULL)
+        bb_plot_legend_series(p, &p->kernels, count, false);
     bb_plot_legend_spread(p, count);
     bb_plot_end(p, f);
 }

@@ -50,23 +50,22 @@ static void print_curve(bb_plot *p, const bb_chart_cell *builder, uint32_t block
     }
 }
 
-/* Writes the data block $cross of n, ms, label: the points where another builder overtakes. */
-static uint32_t print_crossings(bb_plot *p, uint32_t lines, uint32_t winners)
+/* Puts marks where another builder overtakes, and returns their number. */
+static uint32_t mark_crossings(bb_plot *p, uint32_t lines, uint32_t winners, bb_mark *marks)
 {
     uint32_t count = 0;
-    fputs("$cross << EOD\n", p->out);
     for (uint32_t i = 1; i < winners; i++) {
         const bb_chart_cell *now = p->cells[p->winners[i].line];
-        if (bb_same_builder(now, p->cells[p->winners[i - 1].line]) || !(p->winners[i].from > 0))
+        const double from = p->winners[i].from;
+        if (bb_same_builder(now, p->cells[p->winners[i - 1].line]) || !(from > 0))
             continue;
-        char key[BB_PLOT_KEY], n[32];
+        char key[BB_PLOT_KEY], n[32], label[BB_PLOT_KEY + 48];
         bb_plot_builder_key(p, now, key);
-        bb_plot_brief(p->winners[i].from, n);
-        fprintf(p->out, "%.9g %.9g \"%s from %s rays\"\n", p->winners[i].from,
-                envelope_ms(p, lines, p->winners[i].from), key, n);
-        count++;
+        bb_plot_brief(from, n);
+        marks[count] = (bb_mark){.x = from, .y = envelope_ms(p, lines, from)};
+        snprintf(label, sizeof label, "%s from %s rays", key, n);
+        snprintf(marks[count++].key, BB_PLOT_KEY, "%.*s", BB_PLOT_KEY - 1, label);
     }
-    fputs("EOD\n", p->out);
     return count;
 }
 
@@ -86,13 +85,16 @@ static void time_axes(const bb_plot *p, uint32_t lines, uint32_t winners, bb_cha
     bb_axis_round(ms);
 }
 
-/* Writes the data block $keys, the labels at the ends of the curves. */
-static void print_keys(FILE *out, const bb_mark *marks, uint32_t count)
+/* Writes a data block of labels. */
+static void print_keys(FILE *out, const char *name, const bb_mark *marks, uint32_t count)
 {
-    fputs("$keys << EOD\n", out);
-    for (uint32_t i = 0; i < count; i++)
-        if (marks[i].labelled)
-            fprintf(out, "%.9g %.9g %s\n", marks[i].x, marks[i].y, marks[i].key);
+    fprintf(out, "$%s << EOD\n", name);
+    for (uint32_t i = 0; i < count; i++) {
+        fprintf(out, "%.9g %.9g", marks[i].x, marks[i].y);
+        bb_plot_column(out, marks[i].label_right > 0 ? marks[i].key : "");
+        bb_plot_column(out, marks[i].label_right < 0 ? marks[i].key : "");
+        fputc('\n', out);
+    }
     fputs("EOD\n", out);
 }
 
@@ -105,12 +107,14 @@ static const bb_chart_cell *builder_at(const bb_plot *p, uint32_t i)
 
 static void plot_curve(const bb_plot *p, const bb_chart_cell *builder, uint32_t block)
 {
-    char key[BB_PLOT_KEY], name[600];
+    char key[BB_PLOT_KEY], name[600] = "";
     bb_plot_builder_key(p, builder, key);
-    bb_chart_builder_name(builder, p->several_runs, name, sizeof name);
-    fprintf(p->out, ", \\\n $t%u using 1:2 with lines lw %d dt %u lc rgb '#%06x' title '%s  ",
+    if (p->figure == NULL)
+        bb_chart_builder_name(builder, p->several_runs, name, sizeof name);
+    fprintf(p->out, ", \\\n $t%u using 1:2 with lines lw %d dt %u lc rgb '#%06x' title '%s%s",
             block, builder->reference ? 1 : 2, block % 5 + 1,
-            builder->reference ? BB_PLOT_BLACK : bb_plot_colour(block), key);
+            builder->reference ? BB_PLOT_BLACK : bb_plot_colour(p, block), key,
+            p->figure == NULL ? "  " : "");
     bb_plot_quoted(p->out, name);
     fputc('\'', p->out);
 }
@@ -132,21 +136,29 @@ static void draw_time(bb_plot *p)
         return;
     time_axes(p, lines, winners, &f.x, &f.y);
     bb_plot_begin(p, &f);
-    uint32_t crossings = print_crossings(p, lines, winners), curves = 0;
+    /* the crossings first: they have room before the ends of curves */
+    const uint32_t crossings = mark_crossings(p, lines, winners, p->marks);
+    bb_mark *ends = p->marks + crossings;
+    uint32_t curves = 0;
     for (uint32_t i = 0; i < builders; i++)
         if (lines_of(p, builder_at(p, i)) > 0)
-            print_curve(p, builder_at(p, i), i, &f.x, p->marks + 2 * curves++);
-    bb_plot_place_keys(p->marks, 2 * curves, &f.x, &f.y);
-    print_keys(p->out, p->marks, 2 * curves);
-    fputs("plot $keys using 1:2:3 with labels left offset char 0.3,0.5 notitle", p->out);
+            print_curve(p, builder_at(p, i), i, &f.x, ends + 2 * curves++);
+    bb_plot_place_keys(p, p->marks, crossings + 2 * curves, &f.x, &f.y);
+    print_keys(p->out, "cross", p->marks, crossings);
+    print_keys(p->out, "keys", ends, 2 * curves);
+    fputs("plot $keys using 1:2:3 with labels left offset char 0.3,0.5 notitle, \\\n $keys using "
+          "1:2:4 with labels right offset char -0.3,0.5 notitle",
+          p->out);
     for (uint32_t i = 0; i < builders; i++)
         if (lines_of(p, builder_at(p, i)) > 0)
             plot_curve(p, builder_at(p, i), i);
+    const double lift = p->figure == NULL ? -0.7 : 0.5; /* below the curve; in print as all keys */
     if (crossings > 0)
-        fputs(
-            ", \\\n $cross using 1:2 with points pt 7 lc rgb '#1b1e23' notitle, \\\n $cross using "
-            "1:2:3 with labels left offset char 0.8,-0.7 notitle",
-            p->out);
+        fprintf(p->out,
+                ", \\\n $cross using 1:2 with points pt 7 lc rgb '#1b1e23' notitle, \\\n $cross "
+                "using 1:2:3 with labels left offset char 0.8,%g notitle, \\\n $cross using 1:2:4 "
+                "with labels right offset char -0.8,%g notitle",
+                lift, lift);
     bb_plot_end(p, &f);
 }
 

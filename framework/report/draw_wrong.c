@@ -103,9 +103,8 @@ static void set_mark(bb_mark *mark, const bb_chart_cell *cell)
                       .at_most = cell->wrong_rays == 0};
 }
 
-static const char wrong_title[] =
-    "wrong rays per million (log; lines across: 95 %; hollow with arrow: none found of n, at "
-    "most 3/n)";
+static const char wrong_title[] = "wrong rays per million (log scale)";
+#define WRONG_LINES "\\nlines across: 95 %; hollow with arrow: none found of n, at most 3/n"
 
 /* Colours the marks by builder or kernel, and sets the x axis. */
 static void finish_marks(bb_plot *p, uint32_t count, bb_series *series, bb_chart_axis *x)
@@ -113,14 +112,11 @@ static void finish_marks(bb_plot *p, uint32_t count, bb_series *series, bb_chart
     *x = bb_axis_make(true);
     for (uint32_t i = 0; i < count; i++) {
         bb_mark *mark = &p->marks[i];
-        bool reference = mark->cell->reference;
-        mark->shape = bb_plot_shape(p, mark->cell);
-        mark->colour =
-            reference ? BB_PLOT_BLACK : bb_plot_colour(bb_series_find(series, mark->cell));
-        if (reference || series == &p->builders)
+        bb_plot_look(p, series, mark);
+        if (mark->cell->reference || series == &p->builders)
             bb_plot_builder_key(p, mark->cell, mark->key);
         else
-            bb_plot_kernel_key(bb_series_find(series, mark->cell), mark->key);
+            bb_plot_kernel_key(p, mark->cell, mark->key);
         bb_axis_add(x, mark->x);
         bb_axis_add(x, mark->at_most ? mark->x / 1.35 : mark->x_high);
     }
@@ -135,7 +131,7 @@ static void draw_marks(bb_plot *p, bb_chart_frame *f, uint32_t count, bb_series 
     finish_marks(p, count, series, &f->x);
     bb_plot_begin(p, f);
     bool front = print_front(p, count, gain, &f->x, worst);
-    bb_plot_place_keys(p->marks, count, &f->x, &f->y);
+    bb_plot_place_keys(p, p->marks, count, &f->x, &f->y);
     bb_plot_marks(p->out, p->marks, count, front);
     bb_plot_legend_series(p, series, count, true);
     bb_plot_legend_shapes(p);
@@ -147,7 +143,7 @@ static void draw_accuracy(bb_plot *p)
     bb_chart_frame f = {
         .kind = "accuracy",
         .title = "speed against wrong answers",
-        .subtitle = "each kernel and intersector on the tree that it traces fastest",
+        .subtitle = "each kernel and intersector on the tree that it traces fastest" WRONG_LINES,
         .x_title = wrong_title,
         .y_title = "Mrays/s",
         .y = bb_axis_make(false),
@@ -171,7 +167,7 @@ static void draw_builders(bb_plot *p)
     bb_chart_frame f = {
         .kind = "builders",
         .title = "time against wrong answers",
-        .subtitle = "build, layout and all rays once, with the kernel fastest in this",
+        .subtitle = "build, layout and all rays once, with the kernel fastest in this" WRONG_LINES,
         .x_title = wrong_title,
         .y_title = "ms (log scale)",
         .y = bb_axis_make(true),
