@@ -146,6 +146,48 @@ static void trees_are_freed_before_the_rays(void **state)
     bb_scene_free(scene);
 }
 
+/* ---- what makes room ---- */
+
+/* Runs builders alone where so many bytes are left; returns how many cells were judged. */
+static uint32_t judged_in(uint64_t room, bb_scene *scene)
+{
+    bb_account *all = bb_host_account();
+    bb_results *results = NULL;
+    bb_bench_outcome outcome;
+    uint32_t judged = 0;
+    bb_bench_request request = request_on(scene);
+    request.builder_count = 2; /* ours */
+    check(bb_results_create(&(bb_context){device, seed, "test"}, &results), "results");
+    const uint64_t filled = bb_host_most() - all->bytes - room;
+    bb_host_book(filled);
+    bb_status status = bb_bench_run(&request, results, &outcome);
+    bb_host_unbook(filled);
+    check(status, "run");
+    bb_each(trace, bb_results_section(results, BB_TRACES)) judged +=
+        bb_get_number(trace, BB_F_ACCURACY_CHECKED) > 0 &&
+        bb_get_number(trace, BB_F_ACCURACY_WRONG_PPM) == 0;
+    bb_results_destroy(results);
+    return judged;
+}
+
+/* Where builds and the oracle do not fit beside each other, it is made again when it is asked; and a
+ * tree is measured without its builder, where its metrics need that room. */
+static void oracle_and_builders_make_room(void **state)
+{
+    (void)state;
+    if (!device->is_cpu || bb_host_most() == UINT64_MAX)
+        skip(); /* trees are on the device, or nobody knows the memory */
+    bb_scene *scene = NULL;
+    check(bb_scene_load(scene_name, &scene), "scene");
+    bb_bench_request request = request_on(scene);
+    request.builder_count = 2;
+    const double taken = booked_by(&request);
+    const uint32_t all = judged_in((uint64_t)(1.1 * taken), scene);
+    assert_true(all > 0);
+    assert_int_equal(judged_in((uint64_t)(0.47 * taken), scene), all);
+    bb_scene_free(scene);
+}
+
 /* More of anything takes longer: of rays, of rounds, of primitives. */
 static void more_takes_longer(void **state)
 {
@@ -191,6 +233,7 @@ int main(void)
         cmocka_unit_test(more_takes_longer),
         cmocka_unit_test(steps_that_grow_are_known),
         cmocka_unit_test(trees_are_freed_before_the_rays),
+        cmocka_unit_test(oracle_and_builders_make_room),
     };
     return cmocka_run_group_tests(tests, open_device, close_device);
 }

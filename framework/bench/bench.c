@@ -269,7 +269,7 @@ bb_status bb_bench_run(const bb_bench_request *request, bb_results *results,
     bench->request = request;
     bench->device = bench->residency.device = request->device;
     bench->residency.seed = request->seed;
-    bench->residency.give_up = bb_bench_give_up_tracers;
+    bench->residency.give_up = bb_bench_give_up;
     bench->residency.whom = bench;
     bench->results = results;
     bench->outcome = outcome;

@@ -153,7 +153,8 @@ static bool is_requested(const bb_bench *bench, const bb_metric *metric)
 /* Measures the metrics that are always measured, or those on request, which are sampled and booked
  * as a step.
  */
-static bb_status measure_metrics(bb_bench *bench, bb_entrant *entrant, bool on_request)
+static bb_status measure_metrics(bb_bench *bench, bb_entrant *entrant, const bb_tree *tree,
+                                 bool on_request)
 {
     for (uint32_t i = 0; i < bb_metric_count(); i++) {
         const bb_metric *metric = bb_metrics[i];
@@ -161,8 +162,7 @@ static bb_status measure_metrics(bb_bench *bench, bb_entrant *entrant, bool on_r
             (bench->request->lean && metric->sampled))
             continue;
         bb_step step = bb_bench_begin(bench);
-        BB_TRY(bb_metric_compute(metric, &entrant->resident->instance.tree, bench->scene,
-                                 METRIC_SAMPLES, bench->request->seed,
+        BB_TRY(bb_metric_compute(metric, tree, bench->scene, METRIC_SAMPLES, bench->request->seed,
                                  &entrant->record.metrics[i]));
         if (on_request || metric->sampled)
             BB_TRY(bb_bench_end(bench, step, metric->title, BB_OK));
@@ -194,21 +194,44 @@ static bb_status measure_stages(bb_entrant *entrant)
     return BB_OK;
 }
 
-/* Checks the tree, then measures its figures. */
-static bb_status measure_tree(bb_bench *bench, bb_entrant *entrant)
+/* Checks the tree, and records what it is and what its builder says of it. */
+static bb_status describe_tree(bb_bench *bench, bb_entrant *entrant)
 {
     bb_build_record *record = &entrant->record;
-    const bb_tree *tree = &entrant->resident->instance.tree;
+    bb_instance *instance = &entrant->resident->instance;
     BB_TRY(bb_resident_check(entrant->resident));
     record->has_tree = true;
-    record->tree = tree->info;
-    record->bytes_tree = bb_tree_bytes(tree);
-    BB_TRY(measure_metrics(bench, entrant, false));
+    record->tree = instance->tree.info;
+    record->bytes_tree = bb_tree_bytes(&instance->tree);
+    BB_TRY(bb_instance_describe(instance, bench->scene, record->about, sizeof record->about));
+    return bb_instance_decisions(instance, bench->scene, &record->decisions);
+}
+
+static bb_status measure_tree(bb_bench *bench, bb_entrant *entrant)
+{
+    const bb_tree *tree = &entrant->resident->instance.tree;
+    BB_TRY(describe_tree(bench, entrant));
+    BB_TRY(measure_metrics(bench, entrant, tree, false));
     BB_TRY(measure_stages(entrant));
-    BB_TRY(bb_instance_describe(&entrant->resident->instance, bench->scene, record->about,
-                                sizeof record->about));
-    BB_TRY(bb_instance_decisions(&entrant->resident->instance, bench->scene, &record->decisions));
-    return bb_bench_owns_builds(bench) ? measure_metrics(bench, entrant, true) : BB_OK;
+    return bb_bench_owns_builds(bench) ? measure_metrics(bench, entrant, tree, true) : BB_OK;
+}
+
+/* Measures a tree for whose metrics there is no room beside what its builder holds: a copy of it,
+ * after the builder has gone. The tree is built again when somebody asks for it. Trees between
+ * stages get no figure. */
+static bb_status measure_copy(bb_bench *bench, bb_entrant *entrant)
+{
+    bb_tree *tree = &entrant->resident->instance.tree, copy;
+    if (tree->place != BB_ON_DEVICE)
+        return BB_REFUSED; /* as was said */
+    BB_TRY(describe_tree(bench, entrant));
+    bb_tree_take_copy(tree, &copy);
+    (void)bb_resident_free_tree(entrant->resident);
+    bb_status status = measure_metrics(bench, entrant, &copy, false);
+    if (status == BB_OK && bb_bench_owns_builds(bench))
+        status = measure_metrics(bench, entrant, &copy, true);
+    bb_tree_release(&copy);
+    return status;
 }
 
 void bb_bench_note_failure(bb_entrant *entrant, bb_status status)
@@ -226,9 +249,9 @@ static void finish_phases(bb_entrant *entrant)
         entrant->record.phases[i].ms = bb_samples_median(&entrant->phase_samples[i]);
 }
 
-bool bb_bench_give_up_tracers(void *whom)
+/* Frees the trees of all tracers if they hold what was missing. */
+static bool give_up_tracers(bb_bench *bench)
 {
-    bb_bench *bench = whom;
     const uint64_t missing = bb_host_missing();
     uint64_t held = 0;
     for (uint32_t i = 0; i < bench->entrant_count; i++)
@@ -250,6 +273,31 @@ bool bb_bench_give_up_tracers(void *whom)
                  "a smaller scene");
     }
     return true;
+}
+
+bool bb_bench_give_up(void *whom)
+{
+    bb_bench *bench = whom;
+    if (!bench->asks_oracle && bench->oracle != NULL && bb_oracle_give_up(bench->oracle))
+        return true;
+    return give_up_tracers(bench);
+}
+
+static bb_status ready_oracle(bb_bench *bench, uint64_t beside)
+{
+    BB_TRY(bb_oracle_prepare(bench->oracle));
+    return bb_host_has_room(beside, "rays and answers");
+}
+
+bb_status bb_bench_ready_oracle(bb_bench *bench, uint64_t beside)
+{
+    bb_step step = bb_bench_begin(bench);
+    bench->asks_oracle = true;
+    bb_status status = ready_oracle(bench, beside);
+    while (status == BB_REFUSED && bb_residency_make_room(&bench->residency, NULL))
+        status = ready_oracle(bench, beside);
+    bench->asks_oracle = false;
+    return bb_bench_end(bench, step, "oracle: prepare", status);
 }
 
 /* After a failure the tree is gone. */
@@ -539,8 +587,10 @@ static bb_status finish_builder(bb_bench *bench, bb_entrant *entrant, bool own)
     bb_status status = measure_built(bench, entrant, own);
     while (status == BB_REFUSED && bb_residency_make_room(&bench->residency, resident))
         status = measure_built(bench, entrant, own);
+    if (status == BB_REFUSED)
+        status = measure_copy(bench, entrant);
     BB_TRY(status);
-    if (resident->instance.tree.place == BB_ON_DEVICE)
+    if (resident->built && resident->instance.tree.place == BB_ON_DEVICE)
         bb_tree_drop_copy(&resident->instance.tree);
     make_layouts(bench, entrant);
     if (bench->apart)
@@ -577,6 +627,7 @@ bb_status bb_bench_builds(bb_bench *bench)
         BB_TRY(bb_turns_round(&turns, round));
     }
     BB_TRY(bb_bench_judge_unseen(bench));
+    bb_disguise_end(&bench->disguise);
     for (uint32_t i = 0; i < bench->entrant_count; i++)
         if (bench->entrants[i].tree_of != NULL)
             share_tree(&bench->entrants[i]);

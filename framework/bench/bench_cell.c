@@ -267,6 +267,7 @@ static bb_status judge_cell(bb_trace_set *set, bb_traced_cell *c)
     bb_accuracy accuracy;
     const bb_verdict_request wanted = {
         .results = set->results, .count = c->count, .may_be_unnamed = c->entrant->tracer != NULL};
+    BB_TRY(bb_bench_ready_oracle(set->bench, 0));
     BB_TRY(bb_judge(set->bench->oracle, &set->answers, &wanted, &accuracy));
     if (!c->judged || accuracy.wrong_ppm > c->record.accuracy.wrong_ppm)
         c->record.accuracy = accuracy;

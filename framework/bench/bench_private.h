@@ -87,9 +87,10 @@ typedef struct bb_bench {
     bb_random unseen;     /* of disguises: another one in each run */
     bb_disguise disguise; /* of the current scene */
     bb_progress *progress;
-    uint32_t batch; /* rays per launch */
-    bool traces;    /* layouts are measured: trees are freed as soon as they have served */
-    bool apart;     /* layouts are measured entrant by entrant: bb_bench_is_apart() */
+    uint32_t batch;   /* rays per launch */
+    bool asks_oracle; /* it is not given up just now */
+    bool traces;      /* layouts are measured: trees are freed as soon as they have served */
+    bool apart;       /* layouts are measured entrant by entrant: bb_bench_is_apart() */
     /* bytes booked while no ray set is on the host, so that there is room for a launch's rays */
     uint64_t kept_for_rays;
     bb_bench_outcome *outcome;
@@ -124,10 +125,14 @@ bb_status bb_bench_scene(bb_bench *bench, const char *name);
 /* Measures the builds of all entrants, interleaved, and fills their records. */
 bb_status bb_bench_builds(bb_bench *bench);
 
-/* For a builder that was refused memory of the host: frees the trees of all tracers if they hold
- * what was missing, and returns whether they do. Their rows are refused then. `whom` is the bench.
- */
-bool bb_bench_give_up_tracers(void *whom);
+/* For a builder that was refused memory of the host: frees what the oracle needs, until it is asked,
+ * else the trees of all tracers if they hold what was missing; their rows are refused then. Returns
+ * whether anything was freed. `whom` is the bench. */
+bool bb_bench_give_up(void *whom);
+
+/* Makes sure that the oracle has all that it needs and that so many bytes fit beside it. If memory
+ * is short, trees and layouts are evicted, which may have been made in the oracle's room. */
+bb_status bb_bench_ready_oracle(bb_bench *bench, uint64_t beside);
 
 /* Records a failure, unless it failed because the run was interrupted. */
 void bb_bench_note_failure(bb_entrant *entrant, bb_status status);

@@ -190,10 +190,8 @@ static bb_status trace_rays(bb_bench *bench, const bb_spec *spec, const bb_view 
         return BB_OK;
     bench->traced_sets++;
     bb_host_unbook(bench->kept_for_rays);
-    /* layouts may have been made in that room while the last set was traced */
-    bool frees = true;
-    while (frees && bb_host_has_room(bench->kept_for_rays, "rays and answers") != BB_OK)
-        frees = bb_residency_make_room(&bench->residency, NULL);
+    /* without room, what makes rays says so */
+    (void)bb_bench_ready_oracle(bench, bench->kept_for_rays);
     const bb_status status = make_and_trace(bench, spec, view);
     bb_host_book(bench->kept_for_rays);
     return status;

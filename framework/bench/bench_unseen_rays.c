@@ -67,6 +67,7 @@ static bb_status check_answers(const bb_trace_set *set, const bb_traced_cell *c,
     bb_accuracy accuracy;
     const bb_verdict_request wanted = {
         .results = set->results, .count = c->count, .may_be_unnamed = true};
+    BB_TRY(bb_bench_ready_oracle(set->bench, 0));
     BB_TRY(bb_judge(set->bench->oracle, answers, &wanted, &accuracy));
     const double seen = c->record.accuracy.wrong_ppm / 1e6, unseen = accuracy.wrong_ppm / 1e6;
     const double spread = sqrt(c->count * fmax(seen, 0.01));
@@ -95,8 +96,9 @@ static void release(attempt *a)
 static bb_status prepare(bb_trace_set *set, attempt *a)
 {
     *a = (attempt){.rays = {.rays = NULL}};
-    const bb_status status = make_rays(set->bench, set->rays, &a->rays);
-    return status == BB_OK ? bb_answers_make(set->bench->oracle, &a->rays, &a->answers) : status;
+    BB_TRY(make_rays(set->bench, set->rays, &a->rays));
+    BB_TRY(bb_bench_ready_oracle(set->bench, 0));
+    return bb_answers_make(set->bench->oracle, &a->rays, &a->answers);
 }
 
 /* Traces and judges; *slow: it took long beside the rounds that count. */

@@ -2,6 +2,7 @@
 #include "framework/builder/tree.h"
 #include "framework/base/clock.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum { TREE_ENTRIES_MAX = BB_INDEX_MASK };
@@ -276,6 +277,25 @@ bb_status bb_tree_upload(bb_tree *tree, bb_device *device, double *ms)
         *ms = bb_wall_ms() - start;
     tree->copied = true;
     return BB_OK;
+}
+
+void bb_tree_take_copy(bb_tree *tree, bb_tree *out)
+{
+    assert(tree->place == BB_ON_DEVICE && tree->copied && tree->copy_account == NULL);
+    *out = *tree;
+    out->account = NULL;
+    out->place = BB_ON_HOST;
+    out->copied = false;
+    out->d_info = out->d_nodes = out->d_refs = (bb_buffer){0};
+    for (uint32_t i = 0; i < tree->array_count; i++) {
+        out->arrays[i].buffer = (bb_buffer){0};
+        tree->arrays[i].host = NULL;
+        tree->arrays[i].host_bytes = 0;
+    }
+    tree->nodes = NULL;
+    tree->refs = NULL;
+    tree->node_capacity = tree->ref_capacity = 0;
+    tree->copied = false;
 }
 
 void bb_tree_drop_copy(bb_tree *tree)

@@ -105,6 +105,9 @@ bb_status bb_tree_upload(bb_tree *tree, bb_device *device, double *ms);
 
 /* Frees the copy on the other side, if there is one. */
 void bb_tree_drop_copy(bb_tree *tree);
+/* Moves the copy on the host out of a tree on the device, which is not booked there: `*out` becomes
+ * a tree on the host. */
+void bb_tree_take_copy(bb_tree *tree, bb_tree *out);
 
 /* Copies `from` to `to`, for optimisers that leave a tree unchanged: nodes, references, info and
  * flags. Both are on the device, from->info has been fetched, and `to` has room. Side arrays are

@@ -249,12 +249,11 @@ bb_status bb_judge_hits(bb_oracle *oracle, bb_answers *answers, const bb_verdict
                         bb_accuracy *accuracy)
 {
     job job = {.oracle = oracle, .answers = answers, .request = request, .hits = request->results};
-    bb_status status = bb_host_alloc(NULL, request->count * sizeof *job.verdicts,
-                                     "verdicts on rays", &job.verdicts);
-    if (status != BB_OK)
-        return status;
+    BB_TRY(bb_oracle_prepare(oracle));
+    BB_TRY(bb_host_alloc(NULL, request->count * sizeof *job.verdicts, "verdicts on rays",
+                         &job.verdicts));
     bb_parallel_for(oracle->pool, request->count, QUICK_CHUNK, quick_chunk, &job);
-    status = arbitrate(oracle, &job, &accuracy->arbitrated);
+    bb_status status = arbitrate(oracle, &job, &accuracy->arbitrated);
     if (status == BB_OK) {
         count_verdicts(&job, accuracy);
         status = measure_ulps(&job, accuracy);

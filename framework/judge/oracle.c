@@ -14,6 +14,20 @@
 
 enum { CHUNK = 1024 };
 
+/* Builds Embree's tree, unless it is there. */
+static bb_status ready_embree(bb_oracle *oracle)
+{
+    if (oracle->embree != NULL)
+        return BB_OK;
+    BB_TRY(bb_embree_create(oracle->scene, NULL, oracle->threads, &oracle->embree));
+    const bb_status status = bb_embree_build(oracle->embree);
+    if (status == BB_OK)
+        return BB_OK;
+    bb_embree_destroy(oracle->embree);
+    oracle->embree = NULL;
+    return status;
+}
+
 bb_status bb_oracle_create(const bb_scene *scene, uint32_t threads, bb_oracle **out)
 {
     *out = NULL;
@@ -21,11 +35,10 @@ bb_status bb_oracle_create(const bb_scene *scene, uint32_t threads, bb_oracle **
     if (oracle == NULL)
         return bb_fail(BB_REFUSED, "the host refused the memory of the oracle");
     oracle->scene = scene;
+    oracle->threads = threads;
     bb_status status = bb_pool_create(threads, &oracle->pool);
     if (status == BB_OK)
-        status = bb_embree_create(scene, NULL, threads, &oracle->embree);
-    if (status == BB_OK)
-        status = bb_embree_build(oracle->embree);
+        status = ready_embree(oracle);
     if (status != BB_OK) {
         bb_oracle_destroy(oracle);
         return status;
@@ -34,14 +47,24 @@ bb_status bb_oracle_create(const bb_scene *scene, uint32_t threads, bb_oracle **
     return BB_OK;
 }
 
+bool bb_oracle_give_up(bb_oracle *oracle)
+{
+    const bool had = oracle->embree != NULL;
+    bb_way_destroy(oracle->way);
+    oracle->way = NULL;
+    bb_arbiter_destroy(&oracle->arbiter);
+    bb_host_free(oracle->heights);
+    oracle->heights = NULL;
+    bb_embree_destroy(oracle->embree);
+    oracle->embree = NULL;
+    return had;
+}
+
 void bb_oracle_destroy(bb_oracle *oracle)
 {
     if (oracle == NULL)
         return;
-    bb_way_destroy(oracle->way);
-    bb_arbiter_destroy(&oracle->arbiter);
-    bb_host_free(oracle->heights);
-    bb_embree_destroy(oracle->embree);
+    (void)bb_oracle_give_up(oracle);
     bb_pool_destroy(oracle->pool);
     free(oracle);
 }
@@ -71,6 +94,7 @@ bb_status bb_oracle_trace(bb_oracle *oracle, const bb_ray *rays, uint32_t count,
     trace_job job = {oracle, rays, hits, query->any, ATOMIC_FLAG_INIT, ""};
     if (!query->is_hit)
         return bb_fail(BB_UNSUPPORTED, "Embree does not answer %s queries", query->name);
+    BB_TRY(ready_embree(oracle));
     bb_parallel_for(oracle->pool, count, CHUNK, trace_chunk, &job);
     return job.message[0] == '\0' ? BB_OK : bb_fail(BB_FAILED, "%s", job.message);
 }
@@ -88,6 +112,7 @@ static void height_chunk(void *context, size_t begin, size_t end, uint32_t threa
 bb_status bb_oracle_prepare(bb_oracle *oracle)
 {
     const bb_scene *scene = oracle->scene;
+    BB_TRY(ready_embree(oracle));
     if (oracle->way != NULL)
         return BB_OK;
     if (oracle->arbiter.tree == NULL)

@@ -20,8 +20,12 @@ void bb_oracle_destroy(bb_oracle *oracle); /* NULL is allowed */
 bb_status bb_oracle_trace(bb_oracle *oracle, const bb_ray *rays, uint32_t count,
                           const bb_query *query, bb_hit *hits);
 
-/* Makes what arbitration needs, once: it takes time and memory. Whoever arbitrates does it too. */
+/* Makes all that the oracle needs, arbitration included, unless it is there: it takes time and
+ * memory. Whoever asks the oracle does it too. */
 bb_status bb_oracle_prepare(bb_oracle *oracle);
+/* Frees all that the oracle needs, which is made again when somebody asks it. Returns whether there
+ * was anything to free. */
+bool bb_oracle_give_up(bb_oracle *oracle);
 
 /* What is known about one of the oracle's answers. */
 enum {

@@ -10,8 +10,9 @@
 
 struct bb_oracle {
     const bb_scene *scene;
-    bb_embree *embree;
+    uint32_t threads;
     bb_pool *pool;
+    bb_embree *embree;  /* NULL after bb_oracle_give_up(), until it is asked for */
     bb_arbiter arbiter; /* these three are made when there is something to arbitrate */
     bb_way *way;
     float *heights; /* smallest height of each triangle, diameter of each sphere */
