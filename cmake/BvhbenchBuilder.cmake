@@ -3,7 +3,7 @@
 #   bvhbench_add_builder(NAME [SOURCE_DIR dir] [INTO target])
 #
 # Compiles NAME.c and any other .c of the folder, and embeds its device files: all .cl and .clh, and
-# the headers NAME_shared.h that host and device share. With INTO, the builder becomes part of that
+# the headers NAME_shared.h that host and device share; and NAME.bib, the papers. With INTO, the builder becomes part of that
 # library; without, a shared object NAME.so for `bvhbench --plugin`. The sources are the same for
 # both: they define `const bb_builder bb_builder_NAME`, with '_' for each '-' of the name.
 #
@@ -91,7 +91,8 @@ endfunction()
 
 # The device files of a builder's folder as bb_files_SYMBOL, and each FILE.cl as bb_source_FILE.
 function(bvhbench_embed_folder target symbol folder)
-    file(GLOB files CONFIGURE_DEPENDS ${folder}/*.cl ${folder}/*.clh ${folder}/*_shared.h)
+    file(GLOB files CONFIGURE_DEPENDS ${folder}/*.cl ${folder}/*.clh ${folder}/*_shared.h
+         ${folder}/*.bib)
     bvhbench_embed_device_files(${target} bb_files_${symbol} declarations rows ${files})
     set(sources "")
     list(FILTER files INCLUDE REGEX "\\.cl$")

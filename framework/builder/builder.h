@@ -95,7 +95,8 @@ struct bb_builder {
     uint32_t abi_version; /* BB_ABI_VERSION. Required. */
     const char *name;     /* lower case, digits, '-'; the folder's name. Required. */
     const char *summary;  /* one line for `list`. Required. */
-    const char *paper;    /* the implemented paper: authors, year. Required ("none" for none). */
+    const char *paper;    /* the implemented paper: authors, year; its BibTeX is in NAME.bib, beside
+                           * NAME.c. Required ("none" for none). */
     uint32_t kinds;  /* primitive kinds it takes: BB_TRIANGLES | ..., or BB_ALL_KINDS. Required. */
     uint32_t inputs; /* BB_INPUT_... Required. */
     bb_place place;  /* where it makes its tree. Required. */

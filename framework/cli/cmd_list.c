@@ -1,10 +1,10 @@
 /* bvhbench list: lists names that options take. */
-#include "framework/base/json.h"
 #include "framework/base/suggest.h"
 #include "framework/builder/metric.h"
 #include "framework/builder/registry.h"
 #include "framework/builder/tracers.h"
 #include "framework/cli/choice.h"
+#include "framework/cli/list_entry.h"
 #include "framework/device/device_private.h"
 #include "framework/papers/reproduce.h"
 #include "framework/scene/scene.h"
@@ -17,86 +17,53 @@
 #include <string.h>
 
 typedef struct wanted {
-    bool json, isa;
+    bool json, bibtex, isa;
     bb_device_choice device; /* only its plug-ins are used */
 } wanted;
 
 static const bb_cli_option options[] = {
     {"json", NULL, "print JSON", BB_INTO(wanted, json)},
+    {"bibtex", NULL, "print the papers that methods implement, as BibTeX", BB_INTO(wanted, bibtex),
+     .apart = "json"},
     {"isa", NULL, "with `kernels`: registers, memory and loads of their code for GPUs",
-     BB_INTO(wanted, isa), .apart = "json"},
+     BB_INTO(wanted, isa), .apart = "json|bibtex"},
     BB_GROUP(bb_plugin_options, wanted, device),
     {.name = NULL},
 };
 
-/* A list as text, or as JSON if `json` is not NULL. It is printed when it is complete. */
-typedef struct output {
-    FILE *text;
-    bb_json *json;
-} output;
+/* The BibTeX file of a method: PREFIX NAME.bib. */
+typedef struct bib_name {
+    char text[96];
+} bib_name;
 
-static void print_entry(FILE *out, const char *name, const char *summary, const char *paper,
-                        const bb_option *declared)
+static bib_name bib_of(const char *prefix, const char *name)
 {
-    fprintf(out, "  %-14s %s", name, summary);
-    if (paper != NULL && paper[0] != '\0' && strcmp(paper, "none") != 0)
-        fprintf(out, " (%s)", paper);
-    fprintf(out, "\n");
-    for (const bb_option *o = declared; o != NULL && o->name != NULL; o++) {
-        const char *values = o->values != NULL ? o->values : "";
-        fprintf(out, "      %s=%s  %s%s%s\n", o->name,
-                o->default_value != NULL ? o->default_value : "", o->help,
-                values[0] != '\0' ? ": " : "", values);
-    }
+    bib_name bib;
+    snprintf(bib.text, sizeof bib.text, "%s%s.bib", prefix, name);
+    return bib;
 }
 
-static void add(output *list, const char *name, const char *summary, const char *paper,
-                const bb_option *declared)
-{
-    bb_json *json = list->json;
-    if (json == NULL) {
-        print_entry(list->text, name, summary, paper, declared);
-        return;
-    }
-    bb_json_object(json, NULL);
-    bb_json_add_text(json, "name", name);
-    bb_json_add_text(json, "summary", summary);
-    if (paper != NULL)
-        bb_json_add_text(json, "paper", paper);
-    bb_json_array(json, "options");
-    for (const bb_option *o = declared; o != NULL && o->name != NULL; o++) {
-        bb_json_object(json, NULL);
-        bb_json_add_text(json, "name", o->name);
-        if (o->default_value != NULL)
-            bb_json_add_text(json, "default", o->default_value);
-        if (o->values != NULL)
-            bb_json_add_text(json, "values", o->values);
-        bb_json_add_text(json, "help", o->help);
-        bb_json_end_object(json);
-    }
-    bb_json_end_array(json);
-    bb_json_end_object(json);
-}
-
-static bb_status list_builders(output *list)
+static bb_status list_builders(bb_list *list)
 {
     for (uint32_t i = 0; i < bb_builder_count(); i++) {
         const bb_builder *b = bb_builder_at(i);
-        add(list, b->name, b->summary, b->paper, b->options);
+        BB_TRY(bb_list_add_method(list, b->name, b->summary, b->paper, b->options,
+                                  bib_of("", b->name).text));
     }
     return BB_OK;
 }
 
-static bb_status list_tracers(output *list)
+static bb_status list_tracers(bb_list *list)
 {
     for (uint32_t i = 0; i < bb_tracer_count(); i++) {
         const bb_tracer *t = bb_tracer_at(i);
-        add(list, t->name, t->summary, t->paper, t->options);
+        BB_TRY(bb_list_add_method(list, t->name, t->summary, t->paper, t->options,
+                                  bib_of("", t->name).text));
     }
     return BB_OK;
 }
 
-static bb_status list_kernels(output *list)
+static bb_status list_kernels(bb_list *list)
 {
     for (const bb_kernel *const *k = bb_kernels; *k != NULL; k++) {
         bb_option all[BB_PARAMS_MAX + 1];
@@ -106,19 +73,20 @@ static bb_status list_kernels(output *list)
         for (const bb_option *o = (*k)->options; o != NULL && o->name != NULL; o++)
             all[count++] = *o;
         all[count] = (bb_option){.name = NULL};
-        add(list, (*k)->name, (*k)->summary, (*k)->paper, all);
+        BB_TRY(bb_list_add_method(list, (*k)->name, (*k)->summary, (*k)->paper, all,
+                                  bib_of("kernel_", (*k)->name).text));
     }
     return BB_OK;
 }
 
-static bb_status list_layouts(output *list)
+static bb_status list_layouts(bb_list *list)
 {
     for (const bb_layout *const *l = bb_layouts; *l != NULL; l++)
-        add(list, (*l)->name, (*l)->summary, NULL, NULL);
+        bb_list_add(list, (*l)->name, (*l)->summary, NULL);
     return BB_OK;
 }
 
-static bb_status list_intersectors(output *list)
+static bb_status list_intersectors(bb_list *list)
 {
     for (const bb_intersector *i = bb_intersectors; i->name != NULL; i++) {
         const char *const own[] = {i->triangle, i->slab, i->contract};
@@ -127,13 +95,14 @@ static bb_status list_intersectors(output *list)
             options[k] = bb_intersector_options[k];
             options[k].default_value = own[k];
         }
-        add(list, i->name, i->summary, NULL, options);
+        BB_TRY(bb_list_add_method(list, i->name, i->summary, NULL, options,
+                                  bib_of("triangle_", i->triangle).text));
     }
     return BB_OK;
 }
 
 /* Makes the name of a file of the format from its first ending. */
-static void add_format(output *list, const bb_scene_format *format)
+static void add_format(bb_list *list, const bb_scene_format *format)
 {
     char name[64], summary[256];
     size_t used = (size_t)snprintf(summary, sizeof summary, "a file, %s", format->name);
@@ -141,47 +110,48 @@ static void add_format(output *list, const bb_scene_format *format)
     for (size_t i = 1; format->endings[i] != NULL && used < sizeof summary; i++)
         used += (size_t)snprintf(summary + used, sizeof summary - used, "%s%s",
                                  i == 1 ? "; also " : ", ", format->endings[i]);
-    add(list, name, summary, NULL, format->options);
+    bb_list_add(list, name, summary, format->options);
 }
 
-static bb_status list_scenes(output *list)
+static bb_status list_scenes(bb_list *list)
 {
     for (const char *const *name = bb_shipped_scenes; *name != NULL; name++)
-        add(list, *name, "shipped with bvhbench", NULL, NULL);
+        bb_list_add(list, *name, "shipped with bvhbench", NULL);
     for (const bb_generator *const *g = bb_generators; *g != NULL; g++)
-        add(list, (*g)->name, (*g)->summary, NULL, (*g)->options);
+        bb_list_add(list, (*g)->name, (*g)->summary, (*g)->options);
     for (const bb_scene_format *const *f = bb_scene_formats; *f != NULL; f++)
         add_format(list, *f);
     return BB_OK;
 }
 
-static bb_status list_rays(output *list)
+static bb_status list_rays(bb_list *list)
 {
     for (const bb_workload *const *w = bb_workloads; *w != NULL; w++)
-        add(list, (*w)->name, (*w)->summary, NULL, (*w)->options);
+        bb_list_add(list, (*w)->name, (*w)->summary, (*w)->options);
     return BB_OK;
 }
 
-static bb_status list_metrics(output *list)
+static bb_status list_metrics(bb_list *list)
 {
     for (uint32_t i = 0; i < bb_metric_count(); i++) {
         const bb_metric *m = bb_metrics[i];
         char summary[512];
         snprintf(summary, sizeof summary, "%s%s", m->full_title,
                  m->on_request ? ": `run --metrics` measures it" : ": always measured");
-        add(list, m->name, summary, NULL, NULL);
+        BB_TRY(bb_list_add_method(list, m->name, summary, NULL, NULL,
+                                  bib_of("metric_", m->name).text));
     }
     return BB_OK;
 }
 
-static bb_status list_papers(output *list)
+static bb_status list_papers(bb_list *list)
 {
     for (const bb_paper *const *p = bb_papers; *p != NULL; p++)
-        add(list, (*p)->name, (*p)->title, NULL, NULL);
+        bb_list_add(list, (*p)->name, (*p)->title, NULL);
     return BB_OK;
 }
 
-static bb_status list_axes(output *list)
+static bb_status list_axes(bb_list *list)
 {
     for (const bb_axis_source *s = bb_axis_sources; s->name != NULL; s++) {
         bb_axis axis;
@@ -189,13 +159,13 @@ static bb_status list_axes(output *list)
         BB_TRY(bb_axis_load(s->name, &axis));
         snprintf(text, sizeof text, "%s: %s, %g to %g", axis.title, axis.parameter, axis.from,
                  axis.to);
-        add(list, axis.name, text, NULL, NULL);
+        bb_list_add(list, axis.name, text, NULL);
         bb_axis_free(&axis);
     }
     return BB_OK;
 }
 
-static bb_status list_devices(output *list)
+static bb_status list_devices(bb_list *list)
 {
     uint32_t count;
     BB_TRY(bb_device_count(&count));
@@ -210,30 +180,31 @@ static bb_status list_devices(output *list)
         BB_TRY(bb_device_describe(i, text, sizeof text));
         if (i == 0)
             strncat(text, " (the default)", sizeof text - strlen(text) - 1);
-        add(list, number, text, NULL, NULL);
+        bb_list_add(list, number, text, NULL);
     }
     return BB_OK;
 }
 
-static bb_status list_transfers(output *list)
+static bb_status list_transfers(bb_list *list)
 {
     for (const bb_transfer_preset *p = bb_transfer_presets; p->name != NULL; p++)
-        add(list, p->name, p->summary, NULL, NULL);
+        bb_list_add(list, p->name, p->summary, NULL);
     return BB_OK;
 }
 
 /* What `run` compares if nothing is chosen. */
-static bb_status add_compared(output *list, const char *what, bb_status status, bb_names *names)
+static bb_status add_compared(bb_list *list, const char *what, bb_status status, bb_names *names)
 {
     for (size_t i = 0; i < names->count && status == BB_OK; i++)
-        add(list, names->items[i],
-            strcmp(what, "builder") == 0 && bb_is_reference(names->items[i]) ? "reference" : what,
-            NULL, NULL);
+        bb_list_add(list, names->items[i],
+                    strcmp(what, "builder") == 0 && bb_is_reference(names->items[i]) ? "reference"
+                                                                                     : what,
+                    NULL);
     bb_names_free(names);
     return status;
 }
 
-static bb_status list_compared(output *list)
+static bb_status list_compared(bb_list *list)
 {
     bb_names names = {0};
     BB_TRY(add_compared(list, "scene", bb_add_shipped_scenes(&names), &names));
@@ -246,13 +217,22 @@ static bb_status list_compared(output *list)
 
 static const struct {
     const char *name;
-    bb_status (*fill)(output *list);
+    bb_status (*fill)(bb_list *list);
+    bool cites; /* they implement papers */
 } kinds[] = {
-    {"builders", list_builders}, {"tracers", list_tracers},           {"kernels", list_kernels},
-    {"layouts", list_layouts},   {"intersectors", list_intersectors}, {"scenes", list_scenes},
-    {"rays", list_rays},         {"metrics", list_metrics},           {"papers", list_papers},
-    {"axes", list_axes},         {"transfers", list_transfers},       {"compared", list_compared},
-    {"devices", list_devices},
+    {"builders", list_builders, true},
+    {"tracers", list_tracers, true},
+    {"kernels", list_kernels, true},
+    {"layouts", list_layouts, false},
+    {"intersectors", list_intersectors, true},
+    {"scenes", list_scenes, false},
+    {"rays", list_rays, false},
+    {"metrics", list_metrics, true},
+    {"papers", list_papers, false},
+    {"axes", list_axes, false},
+    {"transfers", list_transfers, false},
+    {"compared", list_compared, false},
+    {"devices", list_devices, false},
 };
 
 enum { KIND_COUNT = sizeof kinds / sizeof kinds[0] };
@@ -296,7 +276,7 @@ static bb_status unknown_kind(const char *kind)
 }
 
 /* Prints all lists, or the given one. */
-static bb_status fill(const char *wanted, output *list)
+static bb_status fill(const char *wanted, bb_list *list)
 {
     bool found = false;
     for (uint32_t i = 0; i < KIND_COUNT; i++) {
@@ -316,12 +296,35 @@ static bb_status fill(const char *wanted, output *list)
     return found ? BB_OK : unknown_kind(wanted);
 }
 
+/* Prints the papers of all methods, or of those of the given kind, each of them once. */
+static bb_status print_bibtex(const char *wanted)
+{
+    bb_bibliography papers = {.count = 0};
+    bb_list list = {.papers = &papers};
+    bool found = wanted == NULL;
+    for (uint32_t i = 0; i < KIND_COUNT; i++) {
+        if (wanted != NULL && strcmp(wanted, kinds[i].name) != 0)
+            continue;
+        found = true;
+        if (wanted != NULL && !kinds[i].cites)
+            return bb_fail(BB_INVALID,
+                           "%s implement no papers: list builders --bibtex, or tracers, kernels, "
+                           "intersectors, metrics",
+                           wanted);
+        if (kinds[i].cites)
+            BB_TRY(kinds[i].fill(&list));
+    }
+    for (uint32_t i = 0; i < papers.count; i++)
+        printf("%.*s\n\n", (int)papers.entries[i].length, papers.entries[i].text);
+    return found ? BB_OK : unknown_kind(wanted);
+}
+
 static bb_status print(const char *wanted, bool as_json)
 {
     bb_json json = {.formatted = true};
     char *text = NULL;
     size_t size;
-    output list = {.text = open_memstream(&text, &size), .json = as_json ? &json : NULL};
+    bb_list list = {.text = open_memstream(&text, &size), .json = as_json ? &json : NULL};
     if (list.text == NULL)
         return bb_fail(BB_REFUSED, "no memory for the list");
     if (as_json)
@@ -349,7 +352,7 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
     if (cli->positional_count > 1)
         return bb_fail(BB_INVALID, "list takes one kind: drop '%s'", cli->positional[1]);
     if (!w->isa)
-        return print(kind, w->json);
+        return w->bibtex ? print_bibtex(kind) : print(kind, w->json);
     if (kind == NULL || strcmp(kind, "kernels") != 0)
         return bb_fail(BB_INVALID, "--isa is of kernels: list kernels --isa");
     print_isa();
@@ -360,8 +363,8 @@ extern const bb_command bb_command_list;
 const bb_command bb_command_list = {
     .name = "list",
     .summary = "list what there is to choose from: builders, scenes, devices and so on",
-    .arguments = "[builders|kernels|layouts|intersectors|scenes|rays|metrics|papers|axes|transfers|"
-                 "compared|devices]",
+    .arguments = "[builders|tracers|kernels|layouts|intersectors|scenes|rays|metrics|papers|axes|"
+                 "transfers|compared|devices]",
     .options = options,
     .bytes = sizeof(wanted),
     .run = run,

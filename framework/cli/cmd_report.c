@@ -7,6 +7,7 @@
 #include "framework/cli/report_table.h"
 #include "framework/compare/history.h"
 #include "framework/compare/prediction.h"
+#include "framework/compare/summary.h"
 #include "framework/compare/trend.h"
 #include "framework/record/record.h"
 #include "framework/report/report.h"
@@ -20,7 +21,7 @@
 
 typedef struct wanted {
     const char *out, *history, *figure, *width;
-    bool table, markdown, google_benchmark, csv, samples;
+    bool table, markdown, google_benchmark, csv, samples, json;
     uint32_t charts;
 } wanted;
 
@@ -28,15 +29,14 @@ static const bb_cli_option options[] = {
     {"out", "FILE", "where to write the report; default: report.html beside the first input",
      BB_INTO(wanted, out)},
     {"figure", "NAME",
-     "instead of the report, one of its charts for print, without title and colours, with names "
-     "for "
-     "keys: NAME.svg in the folder of charts; --out FILE.pdf, .svg or .png",
+     "instead of the report, one of its charts for print, in grey, with names for keys: NAME.svg "
+     "in the folder of charts; --out FILE.pdf, .svg or .png",
      BB_INTO(wanted, figure),
-     .apart = "table|markdown|google-benchmark|csv|samples|charts|history"},
+     .apart = "table|markdown|google-benchmark|csv|samples|json|charts|history"},
     {"width", "W", "width of the figure in mm", BB_INTO(wanted, width), .fallback = "84mm",
      .with = "figure"},
     {"history", "DB", "instead of files, report a database of runs: each cell over the revisions",
-     BB_INTO(wanted, history), .apart = "table|markdown|google-benchmark|csv|samples|charts"},
+     BB_INTO(wanted, history), .apart = "table|markdown|google-benchmark|csv|samples|json|charts"},
     {"table", NULL, "print the full tables; write no report unless --out is given",
      BB_INTO(wanted, table)},
     {"markdown", NULL, "the same, with the summary as Markdown", BB_INTO(wanted, markdown)},
@@ -45,6 +45,9 @@ static const bb_cli_option options[] = {
     {"csv", NULL, "the same, with all traces as comma-separated values", BB_INTO(wanted, csv)},
     {"samples", NULL, "the same, with one line for each round of each time: tidy, for pandas or R",
      BB_INTO(wanted, samples)},
+    {"json", NULL,
+     "the same, with the summary of all, of each scene and of each kind of rays as JSON",
+     BB_INTO(wanted, json)},
     BB_CHARTS_OPTION(wanted, charts),
     {.name = NULL},
 };
@@ -83,6 +86,16 @@ static bb_status write_page(bb_results *results, const char *page, bool said, ui
     return charts == BB_CHARTS_YES ? write_charts(results, page, said) : BB_OK;
 }
 
+static bb_status print_json(const bb_results *results)
+{
+    char *text = bb_summary_json(results);
+    if (text == NULL)
+        return bb_fail(BB_REFUSED, "report: no memory for the summary");
+    printf("%s\n", text);
+    free(text);
+    return BB_OK;
+}
+
 /* What goes to standard output: the summary, if nothing else is asked for. */
 static bb_status print(const wanted *w, bb_results *results)
 {
@@ -90,6 +103,7 @@ static bb_status print(const wanted *w, bb_results *results)
            : w->markdown         ? bb_report_markdown(results, stdout)
            : w->csv              ? bb_report_csv(results, stdout)
            : w->samples          ? bb_report_samples(results, stdout)
+           : w->json             ? print_json(results)
            : w->google_benchmark ? bb_report_benchmark(results, stdout)
                                  : bb_report_verdict(results, stdout);
 }
@@ -163,11 +177,12 @@ static bb_status read_inputs(const bb_cli *cli, bb_results **all, char **folder)
 
 static bb_status report_table(const bb_cli *cli, const wanted *w, const char *path)
 {
-    if (cli->positional_count > 1 || w->google_benchmark)
-        return bb_fail(
-            BB_INVALID,
-            "report: %s is a table of results: give it alone%s, or merge several (bvhbench merge)",
-            path, w->google_benchmark ? ", without --google-benchmark" : "");
+    const char *unfit = w->google_benchmark ? "google-benchmark" : w->json ? "json" : NULL;
+    if (cli->positional_count > 1 || unfit != NULL)
+        return bb_fail(BB_INVALID,
+                       "report: %s is a table of results: give it alone%s%s, or merge several "
+                       "(bvhbench merge)",
+                       path, unfit != NULL ? ", without --" : "", unfit != NULL ? unfit : "");
     if (w->out != NULL)
         BB_TRY(bb_out_file(w->out, "report"));
     return bb_report_table_file(path,
@@ -226,7 +241,8 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
         BB_TRY(check_figure(w, &width_mm));
     bb_results *all = NULL;
     char *folder = NULL, beside[PATH_MAX];
-    const bool only = w->table || w->markdown || w->csv || w->samples || w->google_benchmark;
+    const bool only =
+        w->table || w->markdown || w->csv || w->samples || w->json || w->google_benchmark;
     BB_TRY(bb_charts_decide(&w->charts));
     BB_TRY(bb_inputs_once(cli));
     if (w->out != NULL)

@@ -16,6 +16,17 @@ static void put_standing(bb_json *json, const char *name, const bb_standing *sta
     bb_json_end_object(json);
 }
 
+/* Wrong rays of those judged, and the 95 % interval of their rate. */
+static void put_wrong(bb_json *json, double wrong, double checked)
+{
+    const bb_wrong_rate rate = bb_wrong_rate_of(wrong, checked);
+    bb_json_add_number(json, "wrong", wrong);
+    bb_json_add_number(json, "checked", checked);
+    bb_json_add_number(json, "ppm", rate.ppm);
+    bb_json_add_number(json, "ppm_lo", rate.low);
+    bb_json_add_number(json, "ppm_hi", rate.high);
+}
+
 static void put_row(bb_json *json, const bb_summary_row *row)
 {
     bb_json_object(json, NULL);
@@ -44,23 +55,17 @@ static void put_row(bb_json *json, const bb_summary_row *row)
     put_standing(json, "overlap", &row->overlap);
     put_standing(json, "work", &row->work);
     bb_json_add_number(json, "peak", row->peak);
-    bb_json_add_number(json, "wrong", row->wrong);
-    bb_json_add_number(json, "checked", row->checked);
+    put_wrong(json, row->wrong, row->checked);
     bb_json_add_number(json, "failed", row->failed);
     bb_json_end_object(json);
 }
 
 static void put_accuracy(bb_json *json, const bb_summary_accuracy *accuracy)
 {
-    const bb_wrong_rate rate = bb_wrong_rate_of(accuracy->wrong, accuracy->checked);
     bb_json_object(json, NULL);
     bb_json_add_text(json, "intersector", accuracy->intersector);
-    bb_json_add_number(json, "wrong", accuracy->wrong);
+    put_wrong(json, accuracy->wrong, accuracy->checked);
     bb_json_add_number(json, "wrong_t", accuracy->wrong_t);
-    bb_json_add_number(json, "checked", accuracy->checked);
-    bb_json_add_number(json, "ppm", rate.ppm);
-    bb_json_add_number(json, "ppm_lo", rate.low);
-    bb_json_add_number(json, "ppm_hi", rate.high);
     bb_json_add_number(json, "speed", accuracy->speed);
     bb_json_end_object(json);
 }
