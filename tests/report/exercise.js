@@ -65,16 +65,34 @@ for (const button of buttons) button.click();
 expect(marks('chart-accuracy') === 0, 'marks without a series');
 for (const button of buttons) button.click();
 
-/* Sorting puts figures in order, both ways; a filter leaves what it names. */
-const heading = [...$('accuracy-table').querySelectorAll('th button')].find(button => button.textContent === 'Mrays/s');
-const column = [...heading.closest('tr').children].indexOf(heading.parentNode);
-for (const direction of ['ascending', 'descending']) {
-  heading.click();
-  const figures = rows('accuracy-table').map(row => Number(row.children[column].textContent.replace(/,/g, '')));
-  const sign = direction === 'ascending' ? 1 : -1;
-  expect(heading.parentNode.getAttribute('aria-sort') === direction, `${direction} is not said`);
-  expect(figures.every((v, i) => i === 0 || sign * (v - figures[i - 1]) >= 0), `${direction}: ${figures}`);
+/* Sorting puts figures in order, both ways, in every column of the first table and by speed beside a chart; what is not measured
+ * stays last; the headings are buttons, which the keyboard reaches and presses. */
+const figureOf = text => text === 'none' ? 0 : text === '-' ? NaN
+  : Number(text.replace(/[,\u2264]/g, '').match(/[0-9.]+/)[0]) * ({ KiB: 2 ** 10, MiB: 2 ** 20, GiB: 2 ** 30 }[text.match(/[KMG]iB/)?.[0]] ?? 1);
+function sorts(id, heading) {
+  const column = [...heading.closest('tr').children].indexOf(heading.parentNode), seen = new Set();
+  expect(heading.tagName === 'BUTTON' && heading.tabIndex === 0, `${heading.textContent}: the keyboard does not reach it`);
+  for (let press = 0; press < 2; press++) {
+    heading.click();
+    const direction = heading.parentNode.getAttribute('aria-sort'), sign = direction === 'ascending' ? 1 : -1;
+    const figures = rows(id).map(row => figureOf(row.children[column].textContent)), measured = figures.filter(Number.isFinite);
+    seen.add(direction);
+    expect(measured.length > 1 && figures.slice(0, measured.length).every(Number.isFinite), `${heading.textContent}: ${figures}`);
+    expect(measured.every((v, i) => i === 0 || sign * (v - measured[i - 1]) >= 0), `${heading.textContent} ${direction}: ${measured}`);
+  }
+  expect(seen.has('ascending') && seen.has('descending'), `${heading.textContent} sorts ${[...seen]}`);
 }
+const headings = id => [...$(id).querySelectorAll('thead th button')];
+expect(headings('verdict-bars').length === 10, 'columns of the first table');
+for (const heading of headings('verdict-bars').slice(1)) sorts('verdict-bars', heading);
+expect(getComputedStyle(headings('verdict-bars')[0]).visibility === 'visible' &&
+       headings('verdict-bars')[0].getBoundingClientRect().left >= 0, 'the headings of the first table are not seen');
+choose('verdict-scene', values('verdict-scene')[1]);
+expect($('verdict-bars').querySelectorAll('th[aria-sort="descending"], th[aria-sort="ascending"]').length === 1, 'another choice forgets the order');
+choose('verdict-scene', '');
+sorts('accuracy-table', headings('accuracy-table').find(button => button.textContent === 'Mrays/s'));
+
+/* A filter leaves what it names. */
 const filter = $('accuracy-table').querySelector('input[type="search"]');
 filter.value = 'moller';
 filter.dispatchEvent(new Event('input', { bubbles: true }));

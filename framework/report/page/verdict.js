@@ -27,8 +27,6 @@ function barCell(heading, standing, share, row, extra) {
             el('span', { class: 'value' }, standingText(standing)), el('span', { class: 'track' }, bar));
 }
 
-const largest = (rows, get) => Math.max(0, ...rows.map(get).filter(isNumber));
-
 /* Build speeds differ by powers of ten: their bars are logarithmic, from a tenth of the slowest. */
 function logShare(value, all) {
   const seen = all.filter(v => v > 0), low = Math.min(...seen) / 2, high = Math.max(...seen);
@@ -41,35 +39,49 @@ function tieClass(rows, i) {
   return same(i - 1) || same(i + 1) ? `tie${same(i - 1) ? '' : ' first'}${same(i + 1) ? '' : ' last'}` : '';
 }
 
-function barRow(summary, row, i) {
-  const { rows } = summary;
-  const [million, billion] = [1, 4].map(k => row.image[k]), builds = rows.map(r => r.build.value), readies = rows.map(r => r.ready.value);
-  const wrong = !(row.checked > 0) ? dash : row.wrong === 0 ? 'none' : `${whole(row.wrong)} of ${brief(row.checked)}`;
-  const name = el('th', { scope: 'row' }, ...breakable(nameOf(row)), row.partial && !row.reference ? el('span', { class: 'note' },
-    ` no rank: ${row.sets} of ${plural(summary.sets, 'ray set')}`) : null, row.reference ? el('span', { class: 'note' }, '\u00a0tracer') : null,
-    row.leaves_out ? el('span', { class: 'note' }, ` not ranked by build: works ${ratio(row.untimed)} times as long outside the clock`) : null);
-  const least = k => Math.min(...rows.map(r => r.image[k].value).filter(isNumber));
-  const time = (s, k) => isNumber(s.value) ? least(k) / s.value : 0;
-  return el('tr', { class: row.reference ? 'reference' : null }, name,
-    barCell(`trace, of ${summary.reference || 'the best'}`, row.trace, row.trace.value / largest(rows, r => r.trace.value),
-            row, tieClass(rows, i)),
-    barCell('build, Mprims/s', row.build, logShare(row.build.value, builds), row),
-    barCell('build and layout, Mprims/s', row.ready, logShare(row.ready.value, readies), row),
-    barCell('time for 1 M rays', million, time(million, 1), row), barCell('time for 1 G rays', billion, time(billion, 4), row),
-    el('td', { class: row.wrong > 0 ? 'wrong' : null, 'data-heading': 'wrong rays' }, wrong));
+function builderCell(summary, row) {
+  const note = words => el('span', { class: 'note' }, words);
+  return el('th', { scope: 'row' }, ...breakable(nameOf(row)), row.reference ? note('\u00a0tracer') : null,
+    row.partial && !row.reference ? note(` no rank: ${row.sets} of ${plural(summary.sets, 'ray set')}`) : null,
+    row.leaves_out ? note(` build not ranked: ${ratio(row.untimed)}x of it outside the clock`) : null);
 }
 
+const wrongRays = row => !(row.checked > 0) ? dash : row.wrong === 0 ? 'none' : `${whole(row.wrong)} of ${brief(row.checked)}`;
+
+/* A column of bars, which `share(value, all values)` of the width are long. */
+function barColumn(rows, name, title, get, share, down, extra) {
+  const all = rows.map(row => get(row).value).filter(isNumber);
+  return { name, title, number: true, down, value: row => get(row).value, text: row => standingText(get(row)),
+           node: row => barCell(name, get(row), share(get(row).value, all), row, extra && extra(row)) };
+}
+
+/* A column of plain figures. */
+const plainColumn = (name, title, get, text, css) => ({ name, title, number: true, down: false, value: get, text,
+  node: row => el('td', { class: css ? css(row) : null, 'data-heading': name }, text(row)) });
+
+const verdictState = { column: -1, down: false, words: [], odd: false };
 function drawBars(summary) {
-  const heading = (text, title) => el('th', { scope: 'col', title }, text);
-  $('verdict-bars').replaceChildren(el('table', { class: 'verdict-table' },
-    el('thead', {}, el('tr', {}, heading('Builder'),
-      heading(`Trace speed, of ${summary.reference || 'the best'}`, 'geometric mean over the ray sets; a bracket: this run cannot tell them apart'),
-      heading('Build, Mprims/s (log)', 'geometric mean over the scenes'),
-      heading('+ layout', 'build and layout of the kernel that is fastest most often: what the first ray waits for'),
-      heading('Time for 1 M rays', 'build, layout and rays, by the best builder: 1.00 is best; longer bars are faster'),
-      heading('Time for 1 G rays', 'build, layout and rays, by the best builder: 1.00 is best; longer bars are faster'),
-      heading('Wrong rays'))),
-    el('tbody', {}, ...summary.rows.map((row, i) => barRow(summary, row, i)))));
+  const { rows } = summary, most = (value, all) => value / Math.max(...all), least = (value, all) => Math.min(...all) / value;
+  const time = (k, rays) => barColumn(rows, `Time for ${rays} rays`,
+    'build, layout and rays, by the best builder: 1.00 is best; longer bars are faster', row => row.image[k], least, false);
+  const sah = schema.metrics.find(m => m.of_layouts).title;
+  $('verdict-bars').replaceChildren();
+  addTable($('verdict-bars'), 'Builders, the fastest trace first. Press a heading to sort.', [
+    { name: 'Builder', value: nameOf, text: nameOf, node: row => builderCell(summary, row) },
+    barColumn(rows, `Trace speed, of ${summary.reference || 'the best'}`,
+              'geometric mean over the ray sets; a line at the left: this run cannot tell them apart', row => row.trace, most, true,
+              row => tieClass(rows, rows.indexOf(row))),
+    barColumn(rows, 'Build, Mprims/s', 'geometric mean over the scenes; bars are logarithmic', row => row.build, logShare, true),
+    barColumn(rows, '+ layout, Mprims/s', 'build and layout of the kernel that is fastest most often: what the first ray waits for; bars are logarithmic',
+              row => row.ready, logShare, true),
+    time(1, '1 M'), time(4, '1 G'),
+    plainColumn(`${sah}, of the best`, 'expected cost of random rays through the tree, by the least', row => row.quality.value,
+                row => standingText(row.quality), row => row.quality.best ? 'best' : null),
+    plainColumn('Tree', 'bytes of the tree, in the scene where it takes most', row => row.tree, row => bytes(row.tree)),
+    plainColumn('Peak', 'bytes of the tree and all scratch memory, in the scene where they are most', row => row.peak, row => bytes(row.peak)),
+    plainColumn('Wrong rays', 'of the rays that were judged', row => row.checked > 0 ? row.wrong : null, wrongRays,
+                row => row.wrong > 0 ? 'wrong' : null),
+  ], rows, { state: verdictState, css: row => row.reference ? 'reference' : null, name: 'verdict-table' });
 }
 
 /* ---- time to image, by the best ---- */
