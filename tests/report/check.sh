@@ -117,7 +117,7 @@ if [ -f "$folder/report-charts/charts.gp" ]; then
 fi
 
 # Each choice and button, at a telephone's width.
-{ cat "$folder/report.html"; echo '<script>'; cat "$here/exercise.js"; echo '</script>'; } >"$folder/exercise.html"
+{ cat "$folder/report.html"; echo '<script>'; cat "$here/exercise_files.js" "$here/exercise.js"; echo '</script>'; } >"$folder/exercise.html"
 open_page exercise.html --window-size=400,1000 --dump-dom >"$folder/exercise.html.dom"
 silent exercise.html "as it is used"
 grep -q 'EXERCISE: [0-9]* choices, all well' "$folder/exercise.html.dom" ||

@@ -1,6 +1,6 @@
 /* Uses the page as a person would: every choice, every button, sorting, filtering, the keyboard, the print. What it found stands in
  * an element of its own; an error on the way is a console message. */
-(() => {
+(async () => {
 'use strict';
 const $ = id => document.getElementById(id), findings = [];
 const expect = (ok, what) => { if (!ok) findings.push(what); };
@@ -83,8 +83,8 @@ function sorts(id, heading) {
   expect(seen.has('ascending') && seen.has('descending'), `${heading.textContent} sorts ${[...seen]}`);
 }
 const headings = id => [...$(id).querySelectorAll('thead th button')];
-expect(headings('verdict-bars').length === 10, 'columns of the first table');
-for (const heading of headings('verdict-bars').slice(1)) sorts('verdict-bars', heading);
+expect(headings('verdict-bars').length === 11, 'columns of the first table');
+for (const heading of headings('verdict-bars').slice(1, -1)) sorts('verdict-bars', heading);
 expect(getComputedStyle(headings('verdict-bars')[0]).visibility === 'visible' &&
        headings('verdict-bars')[0].getBoundingClientRect().left >= 0, 'the headings of the first table are not seen');
 choose('verdict-scene', values('verdict-scene')[1]);
@@ -109,6 +109,32 @@ for (const [key, row] of [['ArrowDown', 0], ['ArrowDown', 1], ['ArrowUp', 0]]) {
 }
 document.activeElement.blur();
 expect(Chart.getChart('chart-accuracy').tooltip.getActiveElements().length === 0, 'the record stays');
+
+/* Every row and chart has the command that measures it again; a button copies it, with a clipboard and without. */
+const copied = [];
+for (const clipboard of [{ writeText: async text => copied.push(text) }, undefined]) {
+  Object.defineProperty(navigator, 'clipboard', { value: clipboard, configurable: true });
+  document.execCommand = () => copied.push(document.activeElement.value);
+  const records = JSON.parse($('data').textContent), keys = new Set([...records.traces, ...records.builds].map(row => row.cell));
+  const made = rows('traces-tables').filter(row => !row.textContent.includes('rays as given') && row.querySelector('button.copy'));
+  expect(made.length === 187, `${made.length} rows have a command`);
+  for (const row of made.slice(0, 5)) {
+    const before = copied.length, button = row.querySelector('button.copy');
+    button.click();
+    await Promise.resolve();
+    const [, key] = (copied[before] || '').match(/^bvhbench run --cell (\S+)$/) || [];
+    expect(copied.length === before + 1 && keys.has(key), `a row copies ${copied[before]}`);
+  }
+}
+for (const tools of document.querySelectorAll('.chart-tools')) {
+  const code = tools.querySelector('code').textContent, before = copied.length;
+  const rays = /--rays \S+ .*--size 256x256 --max-rays 65536 --seed 7$/;
+  expect(/^bvhbench run --scene \S+ /.test(code) && (rays.test(code) || tools.closest('#growth')), `${tools.closest('figure').querySelector('h3').textContent}: '${code}'`);
+  tools.querySelector('button.copy').click();
+  await Promise.resolve();
+  expect(copied[before] === code, `copies ${copied[before]}`);
+}
+findings.push(...exerciseFiles(['wrong rays per million', 'bvhbench run --cell']));
 
 /* Everything can be reached by its name, and nothing is wider than the page. */
 for (const node of document.querySelectorAll('select, input, button'))

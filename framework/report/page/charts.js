@@ -29,11 +29,15 @@ function cellLines(c) {
   return lines;
 }
 
+/* What draw() is told of a chart whose points are cells. */
+const moreOf = (set, points, hover) => ({ of: [set.scene, set.rays, set.view].filter(Boolean).join(' '), hover,
+                                          command: tracesCommand(points.map(p => p.cell.t)) });
+
 /* ---- speed, and time, against wrong answers ---- */
 const wrongAxis = range => axis(['wrong rays per million (log scale)', '\u2190 none found of n: at most 3/n'], true, range);
 
 /* Room for the arrows on the left. */
-const wrongRange = points => decades(points.flatMap(p => p.cell.none ? [p.x, p.x / 1.4] : [p.x, p.xHigh]));
+const wrongRange = points => decades(points.flatMap(p => p.none ? [p.x, p.x / 1.4] : [p.x, p.xHigh]));
 
 /* The checked cells as points; those on the Pareto front, which references are kept out of, are marked so. By the upper bound of
  * their rate, or one wrong ray of n would seem to beat none of n. */
@@ -64,7 +68,8 @@ function markTable(id, chart, points, columns) {
   const box = $(id), first = columns.findIndex(c => c.first);
   box.replaceChildren();
   tableStates[id] = tableStates[id] || { column: first, down: columns[first].down, words: [], odd: false };
-  const table = addTable(box, 'The marks of the chart. The arrow keys go through them.', columns, points, {
+  const again = commandColumn(p => cellCommand(p.cell));
+  const table = addTable(box, 'The marks of the chart. The arrow keys go through them.', [...columns, again], points, {
     tools: true, state: tableStates[id], css: p => p.cell.reference ? 'reference' : null, compact: true });
   for (const [p, row] of table.rows) {
     row.tabIndex = -1;
@@ -81,10 +86,10 @@ function markTable(id, chart, points, columns) {
   return p => { for (const [point, row] of table.rows) row.classList.toggle('pointed', point === p); };
 }
 
-const wrongColumn = num('Wrong ppm', p => p.cell.none ? 0 : p.cell.ppm, 'rays per million; \u2264: none found, at most 3/n',
+const wrongColumn = num('Wrong ppm', p => p.none ? 0 : p.cell.ppm, 'rays per million; \u2264: none found, at most 3/n',
   null);
-wrongColumn.text = p => p.cell.none ? `\u2264 ${figure(p.cell.ppm)}` : figure(p.cell.ppm);
-wrongColumn.css = p => p.cell.none ? '' : 'odd';
+wrongColumn.text = p => p.none ? `\u2264 ${figure(p.cell.ppm)}` : figure(p.cell.ppm);
+wrongColumn.css = p => p.none ? '' : 'odd';
 const frontColumn = { name: 'Front', title: 'on the Pareto front',
                       text: p => p.front ? 'on front' : p.cell.reference ? 'ref.' : dash };
 
@@ -126,7 +131,7 @@ function drawAccuracy(set, cells) {
     { name: 'Builder', text: p => p.cell.label }]);
   draw('chart-accuracy', 'Trace speed against wrong rays per million', marks,
        { x: wrongAxis(range), y: axis('Mrays/s', false, { beginAtZero: true, grace: '5%' }) },
-       p => p.cell ? [p.cell.label].concat(cellLines(p.cell)) : '', show);
+       p => p.cell ? [p.cell.label].concat(cellLines(p.cell)) : '', moreOf(set, points, show));
 }
 
 function drawBuilders(set, cells) {
@@ -146,7 +151,7 @@ function drawBuilders(set, cells) {
     { name: 'Intersector', text: p => p.cell.t.intersector || dash },
     { name: 'Kernel', text: p => p.cell.t.kernel }]);
   draw('chart-builders', 'Time for build, layout and rays against wrong rays per million', marks,
-       { x: wrongAxis(range), y: axis('ms (log scale)', true, ms) }, p => p.cell ? cellLines(p.cell) : '', show);
+       { x: wrongAxis(range), y: axis('ms (log scale)', true, ms) }, p => p.cell ? cellLines(p.cell) : '', moreOf(set, points, show));
 }
 
 /* ---- time to n rays ---- */
@@ -187,7 +192,8 @@ function drawTime(set, cells) {
   draw('chart-time', 'Time to n rays per builder', curves.concat([crossed]),
        { x: axis('n, rays traced (log scale)', true, { min, max }), y: axis('ms (log scale)', true, {}) },
        p => [`${brief(p.x)} rays: ${figure(p.y)} ms`, madeOf(p.cell), `${figure(p.cell.fixed_ms)} ms before the first ray, then ` +
-             `${figure(p.cell.msPerRay * 1e6)} ns per ray`, `wrong per million: ${rateText(p.cell)}${partly(p.cell)}`]);
+             `${figure(p.cell.msPerRay * 1e6)} ns per ray`, `wrong per million: ${rateText(p.cell)}${partly(p.cell)}`],
+       moreOf(set, usable.map(cell => ({ cell }))));
 }
 
 /* ---- what is said of the tree, and what building it costs ---- */
@@ -207,7 +213,7 @@ function drawQuality(set, cells) {
     (xs.length ? '' : ` ${name} was not measured here.`);
   draw('chart-quality', `Trace speed against ${name}`, sets,
        { x: axis([name, metric.unit].filter(Boolean).join(', '), false, { grace: '5%' }), y: axis('Mrays/s', false, { beginAtZero: true, grace: '5%' }) },
-       p => p.cell ? cellLines(p.cell) : '');
+       p => p.cell ? cellLines(p.cell) : '', moreOf(set, points));
 }
 
 function drawBuild(set, cells) {
@@ -218,7 +224,7 @@ function drawBuild(set, cells) {
   $('build-note').textContent = spreadNote(sets.flatMap(s => s.data));
   draw('chart-build', 'Build speed against trace speed', sets,
        { x: axis('Mprims/s built (log scale)', true, decades(sets.flatMap(s => s.data).map(p => p.x))),
-         y: axis('Mrays/s', false, { beginAtZero: true, grace: '5%' }) }, p => cellLines(p.cell));
+         y: axis('Mrays/s', false, { beginAtZero: true, grace: '5%' }) }, p => cellLines(p.cell), moreOf(set, points));
 }
 
 /* ---- how the time per primitive grows with the scene ---- */
@@ -254,7 +260,8 @@ function drawGrowth() {
          y: axis('ns per primitive (log scale)', true, decades(sets.flatMap(s => s.data).map(p => p.y))) },
        p => [`${whole(p.x)} primitives: ${figure(p.y)} ns each`,
              measured(p.build.build_ms_median, 'ms', spreadOf(p.build, 'build_ms')),
-             p.build.scene]);
+             p.build.scene],
+       { of: '', command: buildsCommand(sets.flatMap(s => s.data.map(p => p.build))) });
 }
 
 function drawAll(set) {

@@ -79,12 +79,27 @@ const annotations = {
   },
 };
 
-/* `lines(point)` gives the text that is shown where the pointer is; `hover(point or null)` is told of it. */
-function draw(id, name, datasets, scales, lines, hover) {
-  const t = theme();
+/* Under each chart: buttons for its files, and the command that measures it again. */
+const about = {}; /* by chart: { name: of its files, command } */
+function chartTools(id) {
+  const copy = copyButton('Copy', () => about[id].command), code = el('code', { tabindex: '0' });
+  const tools = el('div', { class: 'chart-tools' }, ...chartButtons(() => charts[id], () => about[id].name), copy, code);
+  $(id).closest('figure').querySelector('figcaption').before(tools);
+  return command => {
+    code.textContent = command;
+    code.hidden = copy.hidden = command === '';
+  };
+}
+
+/* `lines(point)` gives the text that is shown where the pointer is. More: of: what is drawn, in words; command; hover(point or null)
+ * is told of the pointer. */
+function draw(id, name, datasets, scales, lines, more) {
+  const t = theme(), { hover } = more;
   if (charts[id]) charts[id].destroy();
-  const marks = datasets.reduce((sum, set) => sum + (set.isLine ? 0 : set.data.length), 0);
-  $(id).setAttribute('aria-label', `${name}: ${plural(marks, 'mark')}. The tables hold the same figures.`);
+  const curves = datasets.filter(set => set.isLine).length, marks = datasets.reduce((sum, set) => sum + (set.isLine ? 0 : set.data.length), 0);
+  $(id).setAttribute('aria-label', `${name}: ${marks || !curves ? plural(marks, 'mark') : plural(curves, 'curve')}. The tables hold the same figures.`);
+  about[id] = { show: about[id]?.show || chartTools(id), name: `${name} ${more.of}`, command: more.command };
+  about[id].show(more.command);
   charts[id] = new Chart($(id), {
     type: 'scatter',
     data: { datasets },

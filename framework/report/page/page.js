@@ -125,9 +125,9 @@ function unfold() {
   for (const details of target ? target.querySelectorAll('details.fold') : []) details.open = true;
 }
 
+Chart.defaults.font.family = getComputedStyle(document.body).fontFamily;
 readAddress();
 for (const part of [head, startVerdict, reproductions, traceTable, buildTable, sceneTable, stepTable, pictureGrid, metricTexts, startPrediction]) part();
-Chart.defaults.font.family = getComputedStyle(document.body).fontFamily;
 redraw();
 for (const [id, key] of [['pick-scene', 'scene'], ['pick-rays', 'rays'], ['pick-view', 'view']])
   $(id).addEventListener('change', event => { picked[key] = event.target.value; redraw(); writeAddress(); });

@@ -39,7 +39,9 @@ function addTable(section, caption, columns, rows, settings) {
                       settings.odd ? el('label', {}, odd, ' only wrong answers and rows without a result') : null, status));
   }
   const heads = columns.map(c => ({ name: c.name, title: c.title, css: classOf(c), down: c.number && c.down !== false }));
-  table.append(el('caption', {}, caption), el('thead', {}, el('tr', {}, ...sortHeads(heads, state, show))), body,
+  const figures = () => [columns.map(c => c.name), ...[...body.children].map(node => nodes.indexOf(node)).map(r =>
+    columns.map((c, i) => typeof value(r, i) === 'number' ? value(r, i) : cells[r][i]))];
+  table.append(el('caption', {}, caption, ' ', csvButton(caption.split('.')[0], figures)), el('thead', {}, el('tr', {}, ...sortHeads(heads, state, show))), body,
                ...(settings.foot ? [el('tfoot', {}, settings.foot)] : []));
   show();
   const css = ['scroll', settings.narrow && 'narrow', settings.compact && 'compact'].filter(Boolean).join(' ');
@@ -96,7 +98,7 @@ function traceTable() {
     ...minor([field('trace', 'count'), num('of', t => t.all, 'rays in the set', whole), field('trace', 'counted'),
     field('accuracy', 'overflowed'), ...fields('trace', ['query', 'layout', 'ms_median', 'sort_ms', 'event_ms', 'cpu_ms']),
     ...fields('accuracy', ['ties', 'margin_limited', 'oracle_wrong', 't_off', 't_ulp_p99', 't_ulp_max'])]),
-    ...minor([field('trace', 'cell', { wide: true })]),
+    commandColumn(rowCommand),
     field('trace', 'status', { text: statusText, wide: true, css: t => t.status === 'ok' ? '' : 'odd' }),
   ], traces, { tools: true, css: t => t.reference ? 'reference' : null,
                odd: t => t.status !== 'ok' || t.acc.wrong_ppm > 0 || t.acc.overflowed > 0 });
@@ -129,7 +131,7 @@ function buildTable() {
       field('build', 'stage_bytes_peak', { text: b => bytePairs(b.stage_bytes_peak) }),
       ...minor([field('build', 'stage_bytes', { text: b => bytePairs(b.stage_bytes) })])] : []), ...minor(fields('build', ['first_ray_launches', 'first_ray_floor_ms', 'phase_ms', 'layout_sah', 'parameter'])),
     ...(builds.some(b => b.about) ? [field('build', 'about', { wide: true })] : []),
-    ...minor([field('build', 'cell', { wide: true })]),
+    commandColumn(rowCommand),
     field('build', 'status', { text: statusText, wide: true, css: b => b.status === 'ok' ? '' : 'odd' }),
   ], builds, { tools: true, css: b => b.reference ? 'reference' : null, odd: b => b.status !== 'ok' });
 }

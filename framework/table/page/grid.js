@@ -16,6 +16,7 @@ function gridOf(block) {
   const heads = sortHeads(block.columns.map((column, i) =>
     ({ name: column.heading, title: column.help || null, css: isTexts(block, i) ? null : 'number' })), state, show);
   show();
-  return el('div', { class: 'scroll' }, el('table', {}, block.text ? el('caption', {}, block.text) : null,
+  const figures = () => [block.columns.map(column => column.heading), ...sorted(block.rows, state, value).map(row => row.map((_, i) => value(row, i)))];
+  return el('div', { class: 'scroll' }, el('table', {}, el('caption', {}, block.text, ' ', csvButton(block.text || page.title, figures)),
     el('thead', {}, el('tr', {}, ...heads)), body));
 }
