@@ -248,7 +248,7 @@ function(bvhbench_embed_report target)
     # Parts of scripts, in this order: a part only uses itself and earlier parts.
     set(shown ../../table/page)
     set(report_html ${shown}/head.html report.html)
-    set(report_js ${shown}/dom.js ${shown}/figure.js ${shown}/sort.js ${shown}/svg.js ${shown}/download.js data.js commands.js series.js draw.js tables.js charts.js verdict.js predict.js page.js)
+    set(report_js ${shown}/dom.js ${shown}/figure.js ${shown}/sort.js ${shown}/svg.js ${shown}/download.js data.js commands.js series.js emphasis.js draw.js tables.js charts.js verdict.js predict.js against.js page.js)
     set(report_history_html ${shown}/head.html history.html) # a page of its own
     set(report_history_js ${shown}/dom.js ${shown}/figure.js history.js)
     set(atlas_html ${shown}/head.html atlas.html) # another

@@ -65,6 +65,9 @@ for (const button of buttons) button.click();
 expect(marks('chart-accuracy') === 0, 'marks without a series');
 for (const button of buttons) button.click();
 
+/* Names stand beside the marks. */
+expect(Chart.getChart('chart-builders').data.datasets.flatMap(set => set.data).every(p => !p.key || /[a-z]/.test(p.key)), 'marks without names');
+
 /* Sorting puts figures in order, both ways, in every column of the first table and by speed beside a chart; what is not measured
  * stays last; the headings are buttons, which the keyboard reaches and presses. */
 const figureOf = text => text === 'none' ? 0 : text === '-' ? NaN

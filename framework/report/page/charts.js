@@ -124,7 +124,7 @@ function drawAccuracy(set, cells) {
   $('accuracy-note').textContent =
     spreadNote(points) + notes(set, drawn.concat(references), points);
   const show = markTable('accuracy-table', 'chart-accuracy', points, [
-    { name: 'Key', text: p => p.key }, { name: 'Kernel', text: p => p.cell.t.kernel },
+    { name: 'Kernel', text: p => p.cell.t.kernel },
     { name: 'Intersector', text: p => p.cell.t.intersector || dash },
     Object.assign(num('Mrays/s', p => p.y), { first: true, down: true }), wrongColumn,
     num(`/${embree}`, p => p.cell.ratio, 'ratio to the fastest embree-native row on the same rays'), frontColumn,
@@ -143,9 +143,8 @@ function drawBuilders(set, cells) {
   if (front.length) marks.push(line('Pareto front', stairs(front, ms.max, range.max)));
   $('builders-note').textContent = notes(set, drawn, points);
   const show = markTable('builders-table', 'chart-builders', points, [
-    { name: 'Key', text: p => p.key },
-    Object.assign(num('Total ms', p => p.y, 'boxes, build, transfer, layout and all rays'), { first: true, down: false }), wrongColumn, frontColumn,
-    { name: 'Builder', text: p => p.cell.label }, num('Build ms', p => p.cell.t.record.build_ms_median),
+    { name: 'Builder', text: p => p.cell.label },
+    Object.assign(num('Total ms', p => p.y, 'boxes, build, transfer, layout and all rays'), { first: true, down: false }), wrongColumn, frontColumn, num('Build ms', p => p.cell.t.record.build_ms_median),
     num('First ray ms', p => p.cell.fixed_ms, 'boxes, build, transfer and layout'),
     Object.assign(num('Other ms', p => p.cell.fixed_ms - p.cell.t.record.build_ms_median), { title: 'boxes, transfer, layout' }),
     { name: 'Intersector', text: p => p.cell.t.intersector || dash },
@@ -178,8 +177,8 @@ function drawTime(set, cells) {
     const own = usable.filter(c => c.label === name);
     const points = steps.map(n => { const at = timeAt(own, n); return { x: n, y: at.ms, cell: at.cell }; });
     for (const end of [points[0], points[steps.length - 1]]) end.key = builderKey(own[0]);
-    return line(name, points, { borderColor: builderColour(own[0]), borderWidth: own[0].reference ? 1.5 : 2, hasTip: true,
-      pointHitRadius: 6, borderDash: [[], [8, 4], [2, 3], [10, 3, 2, 3], [5, 5]][i % 5], clip: 0 });
+    return line(name, points, { own: builderColour(own[0]), width: own[0].reference ? 1.5 : 2, hasTip: true,
+      pointHitRadius: 6, borderDash: against ? (isOld(name) ? [8, 4] : []) : [[], [8, 4], [2, 3], [10, 3, 2, 3], [5, 5]][i % 5], clip: 0 });
   });
   const overtaken = winners.filter((w, i) => i > 0 && w.cell.label !== winners[i - 1].cell.label && w.from > 0);
   const crossings = overtaken.map(w => ({ x: w.from, y: w.cell.fixed_ms + w.from * w.cell.msPerRay, cell: w.cell, front: true,
@@ -200,7 +199,7 @@ function drawTime(set, cells) {
 function drawQuality(set, cells) {
   const metric = schema.metrics.find(m => m.name === $('pick-metric').value), name = metric.title;
   const points = cells.filter(c => !c.reference).map(c => ({
-    cell: c, key: builderKey(c) + kernelKey(c), x: c.metrics[metric.name], y: c.mrays_s, none: c.none,
+    cell: c, key: builderKey(c), x: c.metrics[metric.name], y: c.mrays_s, none: c.none,
     ySpread: spreadOf(c, 'mrays_s') }));
   const sets = marksOf(points, c => c.label, builderColour), xs = sets.flatMap(s => s.data).map(p => p.x);
   const rate = Math.max(0, ...cells.filter(c => isReference(c.builder)).map(c => c.mrays_s));
@@ -208,7 +207,7 @@ function drawQuality(set, cells) {
     sets.push(line('fastest embree-native', [{ x: Math.min(...xs), y: rate }, { x: Math.max(...xs), y: rate }],
                    { borderDash: [6, 4] }));
   $('quality-note').textContent = spreadNote(sets.flatMap(s => s.data)) +
-    'Keys: builder and kernel. Filled marks gave wrong answers.' +
+    'Filled marks gave wrong answers.' +
     (rate > 0 && xs.length ? ' Dashed: the fastest embree-native row, whose tree is not seen.' : '') +
     (xs.length ? '' : ` ${name} was not measured here.`);
   draw('chart-quality', `Trace speed against ${name}`, sets,
@@ -250,11 +249,10 @@ function drawGrowth() {
   if (all.length === 0) return;
   const sets = all.map(l => {
     const points = [...l.points.values()].sort((a, b) => a.x - b.x), colour = colourAt(names.indexOf(l.name));
-    points[points.length - 1].key = `${names.indexOf(l.name) + 1}`;
-    return line(`${l.name}, ${l.family}`, points, { borderColor: colour, backgroundColor: colour, pointRadius: 3, pointHitRadius: 8,
+    points[points.length - 1].key = l.name;
+    return line(`${l.name}, ${l.family}`, points, { own: colour, width: 1.5, pointRadius: 3, pointHitRadius: 8,
       hasTip: true, borderDash: [[], [8, 4], [2, 3]][families.indexOf(l.family) % 3] });
   });
-  $('growth-keys').replaceChildren(...names.map(name => el('li', {}, name)));
   draw('chart-growth', 'Build time per primitive against the number of primitives', sets,
        { x: axis('primitives (log scale)', true, decades(sets.flatMap(s => s.data).map(p => p.x))),
          y: axis('ns per primitive (log scale)', true, decades(sets.flatMap(s => s.data).map(p => p.y))) },

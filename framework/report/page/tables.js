@@ -36,7 +36,7 @@ function addTable(section, caption, columns, rows, settings) {
     };
     for (const input of [filter, odd]) input.addEventListener('input', change);
     section.append(el('div', { class: 'controls tools' }, el('label', {}, 'Filter ', filter),
-                      settings.odd ? el('label', {}, odd, ' only wrong answers and rows without a result') : null, status));
+                      settings.odd ? el('label', {}, odd, ` ${settings.oddly || 'only wrong answers and rows without a result'}`) : null, status));
   }
   const heads = columns.map(c => ({ name: c.name, title: c.title, css: classOf(c), down: c.number && c.down !== false }));
   const figures = () => [columns.map(c => c.name), ...[...body.children].map(node => nodes.indexOf(node)).map(r =>
@@ -51,7 +51,7 @@ function addTable(section, caption, columns, rows, settings) {
   return { region, rows: rows.map((row, r) => [row, nodes[r]]) };
 }
 
-const runColumn = merged ? [{ name: 'Run', number: true, value: runOf, text: row => runOf(row) + 1 }] : [];
+const runColumn = merged ? [{ name: 'Run', number: true, value: runOf, text: row => against ? runName(runOf(row)) : runOf(row) + 1 }] : [];
 const num = (name, get, title, text) =>
   ({ name, number: true, value: get, text: row => (text || figure)(get(row)), title });
 

@@ -1,14 +1,14 @@
 /* The first screen: what the result says of its builders, over all scenes and rays or a choice of them. Rows, ties and sentences
  * were computed with the results (framework/compare/summary.h); this shows them. */
-const summaries = JSON.parse($('summary-data').textContent);
 const chosen = { scene: '', rays: '' };
 const summaryOf = (scene, rays) => summaries.choices.find(s => s.scene === scene && s.rays === rays);
 const everything = summaryOf('', '') || { rows: [], sentences: [], accuracy: [], scenes: 0, sets: 0, rounds: 0 };
-const nameOf = row => merged ? `${row.builder} (run ${row.run + 1})` : row.builder;
+const nameOf = row => merged ? `${row.builder} (${runName(row.run)})` : row.builder;
 /* Long names break between their parameters. */
 const breakable = name => name.split(/(?<=[:,+])/).flatMap(part => [part, el('wbr')]);
+const coloured = unique(everything.rows.filter(r => !r.reference).map(row => seriesOf(nameOf(row))));
 const rowColour = row => row.reference ? theme().muted
-  : colourAt(everything.rows.filter(r => !r.reference).findIndex(r => r.builder === row.builder && r.run === row.run));
+  : colourAt(coloured.indexOf(seriesOf(nameOf(row))));
 
 /* 0.97, 12.3, 154: as on the terminal. */
 const ratio = value => isNumber(value) ? value.toFixed(value < 9.995 ? 2 : value < 99.95 ? 1 : 0) : dash;
@@ -114,23 +114,22 @@ function drawIntersectors(summary) {
 
 /* ---- time to image, by the best ---- */
 
-/* Curves from 1, the best, up to 2; above, they leave the picture. */
+/* Curves around 1, the best builder, up to 2; above, they leave the picture. Tracers may be below. */
 function drawCurves(summary) {
   const counts = summaries.curve_counts, own = summary.rows.filter(r => r.curve.some(isNumber));
   const curves = own.map(row => line(nameOf(row), counts.map((n, i) => ({ x: n, y: row.curve[i] })).filter(p => isNumber(p.y)),
-    { borderColor: rowColour(row), borderWidth: row.reference ? 1.5 : 2, borderDash: row.reference ? [3, 3] : [], hasTip: true,
-      pointHitRadius: 6, clip: 2 }));
+    { own: rowColour(row), width: row.reference ? 1.5 : 2, borderDash: row.reference ? [3, 3] : isOld(nameOf(row)) ? [8, 4] : [], hasTip: true, pointHitRadius: 6, clip: 2 }));
+  const short = shortNames(own.map(nameOf));
+  for (const { label, data } of curves) { /* its name stands where it is best */
+    const best = data.reduce((a, b) => b.y < a.y ? b : a);
+    best.key = short.get(label);
+    best.front = best.y === 1;
+  }
   draw('chart-image', 'Time to image by that of the best builder', curves,
        { x: axis('rays to trace (log scale)', true, { min: counts[0], max: counts[counts.length - 1] }),
-         y: axis('time to image / least time', false, { min: 1, max: 2 }) },
-       p => `${brief(p.x)} rays: ${ratio(p.y)} of the least time`, { of: choiceText(), command: tracesCommand(rankingTraces(summary)) });
-  const ranked = own.filter(r => !r.reference && !r.leaves_out);
-  const first = ranked.filter(r => r.curve.some(v => v === Math.min(...ranked.map(o => o.curve[r.curve.indexOf(v)]))));
-  $('verdict-legend').replaceChildren(...own.map(row => {
-    const chip = el('i', { 'aria-hidden': 'true' });
-    chip.style.background = rowColour(row);
-    return el('span', { class: first.includes(row) ? 'winner' : null }, chip, nameOf(row));
-  }));
+         y: axis("time to image / best builder's", false, { min: Math.floor(4 * Math.min(1, ...curves.flatMap(c => c.data.map(p => p.y)))) / 4, max: 2 }) },
+       p => `${brief(p.x)} rays: ${ratio(p.y)} of the best builder's`, { of: choiceText(), command: tracesCommand(rankingTraces(summary)) });
+  $('verdict-legend').replaceChildren(...own.map(row => seriesButton(nameOf(row), rowColour(row))));
 }
 
 /* ---- sentences and figures ---- */
