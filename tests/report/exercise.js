@@ -85,6 +85,8 @@ function sorts(id, heading) {
   }
   expect(seen.has('ascending') && seen.has('descending'), `${heading.textContent} sorts ${[...seen]}`);
 }
+expect([...document.querySelectorAll('#verdict-bars td.bars')].every(cell =>
+  cell.textContent !== '-' || cell.querySelector('.bar').offsetWidth === 0), 'a bar for what was not measured');
 const headings = id => [...$(id).querySelectorAll('thead th button')];
 expect(headings('verdict-bars').length === 11, 'columns of the first table');
 for (const heading of headings('verdict-bars').slice(1, -1)) sorts('verdict-bars', heading);

@@ -143,7 +143,7 @@ function drawBuilders(set, cells) {
   if (front.length) marks.push(line('Pareto front', stairs(front, ms.max, range.max)));
   $('builders-note').textContent = notes(set, drawn, points);
   const show = markTable('builders-table', 'chart-builders', points, [
-    { name: 'Builder', text: p => p.cell.label },
+    { name: 'Builder', text: p => p.key },
     Object.assign(num('Total ms', p => p.y, 'boxes, build, transfer, layout and all rays'), { first: true, down: false }), wrongColumn, frontColumn, num('Build ms', p => p.cell.t.record.build_ms_median),
     num('First ray ms', p => p.cell.fixed_ms, 'boxes, build, transfer and layout'),
     Object.assign(num('Other ms', p => p.cell.fixed_ms - p.cell.t.record.build_ms_median), { title: 'boxes, transfer, layout' }),

@@ -62,7 +62,7 @@ const wrongRays = row => !(row.checked > 0) ? dash : row.wrong === 0 ? 'none' : 
 function barColumn(rows, name, title, get, share, down, extra) {
   const all = rows.map(row => get(row).value).filter(isNumber);
   return { name, title, number: true, down, value: row => get(row).value, text: row => standingText(get(row)),
-           node: row => barCell(name, get(row), share(get(row).value, all), row, extra && extra(row)) };
+           node: row => barCell(name, get(row), isNumber(get(row).value) ? share(get(row).value, all) : 0, row, extra && extra(row)) };
 }
 
 /* A column of plain figures. */
