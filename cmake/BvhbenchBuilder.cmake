@@ -249,14 +249,14 @@ function(bvhbench_embed_report target)
     # Parts of scripts, in this order: a part only uses itself and earlier parts.
     set(shown ../../table/page)
     set(report_html ${shown}/head.html report.html)
-    set(report_js ${shown}/dom.js ${shown}/figure.js data.js series.js draw.js tables.js charts.js verdict.js predict.js page.js)
+    set(report_js ${shown}/dom.js ${shown}/figure.js ${shown}/sort.js ${shown}/svg.js ${shown}/download.js data.js commands.js series.js emphasis.js draw.js tables.js charts.js verdict.js predict.js against.js page.js)
     set(report_history_html ${shown}/head.html history.html) # a page of its own
     set(report_history_js ${shown}/dom.js ${shown}/figure.js history.js)
     set(atlas_html ${shown}/head.html atlas.html) # another
     set(atlas_js ${shown}/dom.js atlas.js)
     set(style_css ${shown}/style.css)
     set(page_html ${shown}/head.html ${shown}/page.html) # of framework/table
-    set(page_js dom.js figure.js grid.js axis.js plot.js blocks.js)
+    set(page_js dom.js figure.js sort.js svg.js download.js grid.js axis.js plot.js blocks.js)
     list(TRANSFORM page_js PREPEND ${shown}/)
     foreach(part style_css page_html page_js report_html report_js report_history_html report_history_js atlas_html
                  atlas_js)

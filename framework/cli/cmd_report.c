@@ -1,6 +1,7 @@
 /* bvhbench report: result files into one HTML page, and its charts as pictures. */
 #include "framework/base/file.h"
 #include "framework/base/number.h"
+#include "framework/cli/against.h"
 #include "framework/cli/choice.h"
 #include "framework/cli/inputs.h"
 #include "framework/cli/out_option.h"
@@ -21,7 +22,7 @@
 
 typedef struct wanted {
     const char *out, *history, *figure, *width;
-    bool table, markdown, google_benchmark, csv, samples, json;
+    bool against, table, markdown, google_benchmark, csv, samples, json;
     uint32_t charts;
 } wanted;
 
@@ -37,6 +38,10 @@ static const bb_cli_option options[] = {
      .with = "figure"},
     {"history", "DB", "instead of files, report a database of runs: each cell over the revisions",
      BB_INTO(wanted, history), .apart = "table|markdown|google-benchmark|csv|samples|json|charts"},
+    {"against", NULL,
+     "two runs, OLD and NEW, side by side: both figures of each cell, and their ratio",
+     BB_INTO(wanted, against),
+     .apart = "history|figure|table|markdown|google-benchmark|csv|samples|json|charts"},
     {"table", NULL, "print the full tables; write no report unless --out is given",
      BB_INTO(wanted, table)},
     {"markdown", NULL, "the same, with the summary as Markdown", BB_INTO(wanted, markdown)},
@@ -228,6 +233,8 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
     wanted *w = values;
     if (w->history != NULL)
         return report_history(cli, w->history, w->out);
+    if (w->against)
+        return bb_report_against(cli, w->out);
     if (cli->positional_count == 0)
         return bb_fail(BB_INVALID, "report: give a result file, or the folder of a run");
     for (uint32_t i = 0; i < cli->positional_count; i++)
@@ -272,7 +279,9 @@ const bb_command bb_command_report = {
     .arguments = "FILE|DIR...",
     .details = "A folder stands for its results.json. Several inputs become one report; scenes of "
                "the same\n"
-               "name must have the same geometry. A table, such as slice.json, is reported alone.",
+               "name must have the same geometry. A table, such as slice.json, is reported alone.\n"
+               "With --against, the page is against.html beside NEW; `bvhbench compare` is the "
+               "same in words.",
     .options = options,
     .bytes = sizeof(wanted),
     .run = run,

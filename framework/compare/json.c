@@ -54,6 +54,7 @@ static void put_row(bb_json *json, const bb_summary_row *row)
     put_standing(json, "quality", &row->quality);
     put_standing(json, "overlap", &row->overlap);
     put_standing(json, "work", &row->work);
+    bb_json_add_number(json, "tree", row->tree);
     bb_json_add_number(json, "peak", row->peak);
     put_wrong(json, row->wrong, row->checked);
     bb_json_add_number(json, "failed", row->failed);

@@ -73,6 +73,7 @@ static void read_build(const bb_results *results, const bb_entry *build, bb_buil
     b->prims = prims > 0 ? prims : (double)NAN;
     b->quality = bb_get_metric(build, bb_metrics[bb_metric_of_layouts()]);
     b->overlap = bb_prediction_overlap(build);
+    b->tree = isfinite(native) ? native : bb_get_number(build, BB_F_TREE_BYTES);
     b->peak = isfinite(native) ? native : bb_get_number(build, BB_F_TREE_BYTES_PEAK);
 }
 

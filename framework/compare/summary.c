@@ -107,12 +107,14 @@ static const char *find_favourite(const bb_summary_view *v, uint32_t e)
     return best;
 }
 
-static void add_peak(const bb_summary_view *v, uint32_t e, bb_summary_row *row)
+static void add_bytes(const bb_summary_view *v, uint32_t e, bb_summary_row *row)
 {
-    row->peak = NAN;
+    row->tree = row->peak = NAN;
     for (uint32_t s = 0; s < v->n->scene_count; s++)
-        if (v->scenes[s] && bb_built_of(v, e, s)->ok)
+        if (v->scenes[s] && bb_built_of(v, e, s)->ok) {
+            row->tree = fmax(row->tree, bb_built_of(v, e, s)->tree);
             row->peak = fmax(row->peak, bb_built_of(v, e, s)->peak);
+        }
 }
 
 /* The best builder of each column. */
@@ -163,7 +165,7 @@ static void fill_row(const bb_summary_view *v, uint32_t e, const best *of, bb_su
         row->curve[i] = standing.value;
         row->curve_first[i] = standing.best || standing.tied;
     }
-    add_peak(v, e, row);
+    add_bytes(v, e, row);
 }
 
 /* Sorts by merit: references last, rows that are partial or lack figures after complete ones. */

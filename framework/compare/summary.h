@@ -65,11 +65,11 @@ typedef struct bb_summary_row {
     bool curve_first[BB_SUMMARY_CURVE]; /* best there, or tied with the best */
     bb_standing quality;                /* divided by the least of all builders */
     bb_standing overlap;                /* EPO, likewise */
-    bb_standing work; /* counted work per ray, likewise, with the kernel that needs least */
-    double peak;      /* peak bytes of the scene that takes most */
-    double wrong;     /* wrong rays; failed builds have none; NAN: nothing was judged */
-    double checked;   /* rays judged */
-    uint32_t failed;  /* builds and cells that failed or were refused */
+    bb_standing work;  /* counted work per ray, likewise, with the kernel that needs least */
+    double tree, peak; /* bytes of the tree, and peak bytes, of the scene that takes most */
+    double wrong;      /* wrong rays; failed builds have none; NAN: nothing was judged */
+    double checked;    /* rays judged */
+    uint32_t failed;   /* builds and cells that failed or were refused */
     char kernel[BB_SUMMARY_NAME]; /* kernel that is fastest most often */
 } bb_summary_row;
 

@@ -24,7 +24,7 @@ typedef struct bb_built {
     bb_samples fixed_all;
     double build_ms, untimed_ms; /* untimed: outside the clock, with each build */
     bb_samples build_all;
-    double prims, peak;
+    double prims, tree, peak;
     double quality; /* of the metric that layouts have too (SAH) */
     double overlap; /* EPO */
 } bb_built;

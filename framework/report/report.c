@@ -9,6 +9,7 @@
 #include "framework/compare/summary.h"
 #include "framework/record/schema.h"
 #include "framework/report/chart.h"
+#include "framework/report/report_compare.h"
 #include "framework/table/template.h"
 
 #include <stdint.h>
@@ -109,7 +110,9 @@ static char *charts_json(bb_results *results)
 
 /* ---- the page ---- */
 
-bb_status bb_report_html(bb_results *results, const char *picture_folder, const char *path)
+/* `compared`: NULL, or what is said of two runs. */
+static bb_status write_html(bb_results *results, const bb_comparison_result *compared,
+                            const char *picture_folder, const char *path)
 {
     bb_page_text page = {0};
     BB_TRY(bb_predictions_record(results));
@@ -119,8 +122,9 @@ bb_status bb_report_html(bb_results *results, const char *picture_folder, const 
     char *charts = charts_json(results);
     char *schema = bb_schema_json();
     char *summary = bb_summary_json(results);
-    if (schema == NULL || summary == NULL || records == NULL || pictures == NULL ||
-        charts == NULL) {
+    char *against = compared != NULL ? bb_against_json(compared) : strdup("null");
+    if (schema == NULL || against == NULL || summary == NULL || records == NULL ||
+        pictures == NULL || charts == NULL) {
         status = bb_fail(BB_FAILED, "report %s: no memory", path);
         goto out;
     }
@@ -130,6 +134,7 @@ bb_status bb_report_html(bb_results *results, const char *picture_folder, const 
         {"@BB_SCHEMA@", schema, true},
         {"@BB_SUMMARY@", summary, true},
         {"@BB_CHARTS@", charts, true},
+        {"@BB_AGAINST@", against, true},
         {"@BB_PICTURES@", pictures, true},
         {"@BB_CHART_JS@", bb_text_chart_js, false},
         {"@BB_SCRIPT@", bb_text_report_js, false},
@@ -139,10 +144,22 @@ bb_status bb_report_html(bb_results *results, const char *picture_folder, const 
         status = bb_file_write(path, page.data, page.size, "report");
 out:
     free(page.data);
+    free(against);
     free(schema);
     free(summary);
     free(charts);
     free(pictures);
     free(records);
     return status;
+}
+
+bb_status bb_report_html(bb_results *results, const char *picture_folder, const char *path)
+{
+    return write_html(results, NULL, picture_folder, path);
+}
+
+bb_status bb_report_html_against(bb_results *results, const bb_comparison_result *compared,
+                                 const char *path)
+{
+    return write_html(results, compared, NULL, path);
 }

@@ -2,6 +2,7 @@
 #ifndef BB_REPORT_H
 #define BB_REPORT_H
 
+#include "framework/compare/compare.h"
 #include "framework/record/record.h"
 #include "framework/table/table.h"
 
@@ -27,6 +28,10 @@ bb_status bb_report_table(const bb_results *results, FILE *out);
  * `picture_folder`; if that is NULL, from below the folder of each, bb_results_locate_pictures()).
  */
 bb_status bb_report_html(bb_results *results, const char *picture_folder, const char *path);
+
+/* The same for a document merged of two runs, with what the comparison says of each cell. */
+bb_status bb_report_html_against(bb_results *results, const bb_comparison_result *compared,
+                                 const char *path);
 
 /* Whether gnuplot, which draws the charts, is among the user's programs. */
 bool bb_report_can_draw(void);

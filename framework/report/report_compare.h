@@ -13,4 +13,8 @@ void bb_compare_figures(double from, double to, char texts[2][40]);
  * and other reasons why cells are not compared. `github`: as Markdown. */
 bb_status bb_report_compare(const bb_comparison_result *result, bool github, FILE *out);
 
+/* Returns the cells that both runs measured as JSON for the page: both figures, their ratio, and
+ * what the comparison says of it. From malloc. NULL without memory. */
+char *bb_against_json(const bb_comparison_result *result);
+
 #endif

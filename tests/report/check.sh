@@ -105,7 +105,11 @@ if [ -f "$folder/report-charts/charts.gp" ]; then
     block() {
         sed -n "/output '$1.svg'/,/output '$1.png'/p" "$folder/report-charts/charts.gp" | sed -n "/^\$$2 <</,/^EOD/p" | sed '1d;$d'
     }
-    block coffee_primary_time cross | sed 's/.*"\(.*\)"/<b>\1<\/b>/' >"$folder/crossings"
+    # a builder's number in gnuplot's legend, for the name that the page has
+    block coffee_primary_time cross | sed 's/.*"\(.*\)"/\1/' | while read -r number crossing; do
+        sed -n "/output 'coffee_primary_time.svg'/,\$s/.*title '$number  \([^']*\)'.*/$crossing<\/b>: \1,/p" \
+            "$folder/report-charts/charts.gp" | head -n 1
+    done >"$folder/crossings"
     [ -s "$folder/crossings" ] || fail "no builder overtakes another in the sample"
     while IFS= read -r crossing; do
         has "$crossing" 1
@@ -117,7 +121,7 @@ if [ -f "$folder/report-charts/charts.gp" ]; then
 fi
 
 # Each choice and button, at a telephone's width.
-{ cat "$folder/report.html"; echo '<script>'; cat "$here/exercise.js"; echo '</script>'; } >"$folder/exercise.html"
+{ cat "$folder/report.html"; echo '<script>'; cat "$here/exercise_files.js" "$here/exercise.js"; echo '</script>'; } >"$folder/exercise.html"
 open_page exercise.html --window-size=400,1000 --dump-dom >"$folder/exercise.html.dom"
 silent exercise.html "as it is used"
 grep -q 'EXERCISE: [0-9]* choices, all well' "$folder/exercise.html.dom" ||

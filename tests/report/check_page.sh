@@ -20,7 +20,7 @@ mkdir -p "$folder"
 folder=$(cd "$folder" && pwd)
 "$@" >"$folder/table.txt" || fail "the page was not written"
 ! grep -qE '(src|href)="(https?:)?//' "$folder/$html" || fail "the page loads something"
-{ cat "$folder/$html"; echo '<script>'; cat "$here/$exercise"; echo '</script>'; } >"$folder/exercise.html"
+{ cat "$folder/$html"; echo '<script>'; cat "$here/exercise_files.js" "$here/$exercise"; echo '</script>'; } >"$folder/exercise.html"
 for width in 400 1280; do
     look --window-size="$width,1500" --dump-dom >"$folder/dom"
     grep -q 'EXERCISE: [0-9]* charts, all well' "$folder/dom" ||

@@ -1,6 +1,6 @@
 /* Uses the page as a person would: every choice, every button, sorting, filtering, the keyboard, the print. What it found stands in
  * an element of its own; an error on the way is a console message. */
-(() => {
+(async () => {
 'use strict';
 const $ = id => document.getElementById(id), findings = [];
 const expect = (ok, what) => { if (!ok) findings.push(what); };
@@ -65,16 +65,39 @@ for (const button of buttons) button.click();
 expect(marks('chart-accuracy') === 0, 'marks without a series');
 for (const button of buttons) button.click();
 
-/* Sorting puts figures in order, both ways; a filter leaves what it names. */
-const heading = [...$('accuracy-table').querySelectorAll('th button')].find(button => button.textContent === 'Mrays/s');
-const column = [...heading.closest('tr').children].indexOf(heading.parentNode);
-for (const direction of ['ascending', 'descending']) {
-  heading.click();
-  const figures = rows('accuracy-table').map(row => Number(row.children[column].textContent.replace(/,/g, '')));
-  const sign = direction === 'ascending' ? 1 : -1;
-  expect(heading.parentNode.getAttribute('aria-sort') === direction, `${direction} is not said`);
-  expect(figures.every((v, i) => i === 0 || sign * (v - figures[i - 1]) >= 0), `${direction}: ${figures}`);
+/* Names stand beside the marks. */
+expect(Chart.getChart('chart-builders').data.datasets.flatMap(set => set.data).every(p => !p.key || /[a-z]/.test(p.key)), 'marks without names');
+
+/* Sorting puts figures in order, both ways, in every column of the first table and by speed beside a chart; what is not measured
+ * stays last; the headings are buttons, which the keyboard reaches and presses. */
+const figureOf = text => text === 'none' ? 0 : text === '-' ? NaN
+  : Number(text.replace(/[,\u2264]/g, '').match(/[0-9.]+/)[0]) * ({ KiB: 2 ** 10, MiB: 2 ** 20, GiB: 2 ** 30 }[text.match(/[KMG]iB/)?.[0]] ?? 1);
+function sorts(id, heading) {
+  const column = [...heading.closest('tr').children].indexOf(heading.parentNode), seen = new Set();
+  expect(heading.tagName === 'BUTTON' && heading.tabIndex === 0, `${heading.textContent}: the keyboard does not reach it`);
+  for (let press = 0; press < 2; press++) {
+    heading.click();
+    const direction = heading.parentNode.getAttribute('aria-sort'), sign = direction === 'ascending' ? 1 : -1;
+    const figures = rows(id).map(row => figureOf(row.children[column].textContent)), measured = figures.filter(Number.isFinite);
+    seen.add(direction);
+    expect(measured.length > 1 && figures.slice(0, measured.length).every(Number.isFinite), `${heading.textContent}: ${figures}`);
+    expect(measured.every((v, i) => i === 0 || sign * (v - measured[i - 1]) >= 0), `${heading.textContent} ${direction}: ${measured}`);
+  }
+  expect(seen.has('ascending') && seen.has('descending'), `${heading.textContent} sorts ${[...seen]}`);
 }
+expect([...document.querySelectorAll('#verdict-bars td.bars')].every(cell =>
+  cell.textContent !== '-' || cell.querySelector('.bar').offsetWidth === 0), 'a bar for what was not measured');
+const headings = id => [...$(id).querySelectorAll('thead th button')];
+expect(headings('verdict-bars').length === 11, 'columns of the first table');
+for (const heading of headings('verdict-bars').slice(1, -1)) sorts('verdict-bars', heading);
+expect(getComputedStyle(headings('verdict-bars')[0]).visibility === 'visible' &&
+       headings('verdict-bars')[0].getBoundingClientRect().left >= 0, 'the headings of the first table are not seen');
+choose('verdict-scene', values('verdict-scene')[1]);
+expect($('verdict-bars').querySelectorAll('th[aria-sort="descending"], th[aria-sort="ascending"]').length === 1, 'another choice forgets the order');
+choose('verdict-scene', '');
+sorts('accuracy-table', headings('accuracy-table').find(button => button.textContent === 'Mrays/s'));
+
+/* A filter leaves what it names. */
 const filter = $('accuracy-table').querySelector('input[type="search"]');
 filter.value = 'moller';
 filter.dispatchEvent(new Event('input', { bubbles: true }));
@@ -91,6 +114,32 @@ for (const [key, row] of [['ArrowDown', 0], ['ArrowDown', 1], ['ArrowUp', 0]]) {
 }
 document.activeElement.blur();
 expect(Chart.getChart('chart-accuracy').tooltip.getActiveElements().length === 0, 'the record stays');
+
+/* Every row and chart has the command that measures it again; a button copies it, with a clipboard and without. */
+const copied = [];
+for (const clipboard of [{ writeText: async text => copied.push(text) }, undefined]) {
+  Object.defineProperty(navigator, 'clipboard', { value: clipboard, configurable: true });
+  document.execCommand = () => copied.push(document.activeElement.value);
+  const records = JSON.parse($('data').textContent), keys = new Set([...records.traces, ...records.builds].map(row => row.cell));
+  const made = rows('traces-tables').filter(row => !row.textContent.includes('rays as given') && row.querySelector('button.copy'));
+  expect(made.length === 187, `${made.length} rows have a command`);
+  for (const row of made.slice(0, 5)) {
+    const before = copied.length, button = row.querySelector('button.copy');
+    button.click();
+    await Promise.resolve();
+    const [, key] = (copied[before] || '').match(/^bvhbench run --cell (\S+)$/) || [];
+    expect(copied.length === before + 1 && keys.has(key), `a row copies ${copied[before]}`);
+  }
+}
+for (const tools of document.querySelectorAll('.chart-tools')) {
+  const code = tools.querySelector('code').textContent, before = copied.length;
+  const rays = /--rays \S+ .*--size 256x256 --max-rays 65536 --seed 7$/;
+  expect(/^bvhbench run --scene \S+ /.test(code) && (rays.test(code) || tools.closest('#growth')), `${tools.closest('figure').querySelector('h3').textContent}: '${code}'`);
+  tools.querySelector('button.copy').click();
+  await Promise.resolve();
+  expect(copied[before] === code, `copies ${copied[before]}`);
+}
+findings.push(...exerciseFiles(['wrong rays per million', 'bvhbench run --cell']));
 
 /* Everything can be reached by its name, and nothing is wider than the page. */
 for (const node of document.querySelectorAll('select, input, button'))

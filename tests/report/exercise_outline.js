@@ -5,7 +5,7 @@ const findings = [];
 const expect = (ok, what) => { if (!ok) findings.push(what); };
 const rows = JSON.parse($('table').textContent).rows, ways = rows.filter(row => row.intersector), ran = ways.filter(row => !row.refused);
 const scenes = [...new Set(rows.map(row => row.scene).filter(Boolean))];
-const captioned = text => [...document.querySelectorAll('table')].filter(table => table.caption.textContent === text);
+const captioned = text => [...document.querySelectorAll('table')].filter(table => table.caption.firstChild.textContent === text);
 const entries = tables => tables.flatMap(table => [...table.querySelectorAll('tbody tr')]).map(row => [...row.children].map(entry => entry.textContent));
 const tables = captioned('Ways'), steps = rows.filter(row => row.rms_error !== undefined), studied = new Set(steps.map(row => row.scene)).size;
 

@@ -13,11 +13,11 @@ expect(document.querySelector('.pictures').textContent === 'A picture: not on th
 expect(rowsOf(tables[0])[0][0] === '<\/script><b>|`*x*\u001b[31m%FF', 'a hostile name is text');
 expect(tables[0].querySelectorAll('.best').length === 1, 'the best are marked');
 
-const figures = rowsOf(tables.find(table => table.caption.textContent === 'Figures'));
+const figures = rowsOf(tables.find(table => table.caption.firstChild.textContent === 'Figures'));
 expect(figures.length > 30, `${figures.length} figures`);
 for (const [c, ...page] of figures) expect(`${page.join(';')};` === c, `${page.join(';')}; in C ${c}`);
 
-const ways = tables.find(table => table.caption.textContent === 'Ways');
+const ways = tables.find(table => table.caption.firstChild.textContent === 'Ways');
 const heading = [...ways.querySelectorAll('th button')].find(button => button.textContent === 'answer ms');
 const builders = () => rowsOf(ways).map(row => row[0]).join();
 expect(builders() === 'lbvh,sah', builders());
@@ -32,6 +32,7 @@ expect(alignment(heading.parentElement) === alignment(ways.querySelector('td.num
 const charts = [...document.querySelectorAll('canvas')].map(canvas => Chart.getChart(canvas));
 expect(charts.length === 2 && charts[0].data.labels.join() === 'b' && charts[0].data.datasets[0].data.join() === '3', 'bars');
 expect(charts[1].data.datasets.length === 1 && charts[1].data.datasets[0].data.map(p => p.x * 100 + p.y).join() === '101,204,309,416', 'lines');
+findings.push(...exerciseFiles(['<\/script><b>|`*x*', 'answer ms']));
 const said = findings.length ? findings.join('; ') : `${charts.length} charts, all well`;
 document.body.append(Object.assign(document.createElement('p'), { textContent: `EXERCISE: ${said}` }));
 })();

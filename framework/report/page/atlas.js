@@ -72,6 +72,7 @@ function showTable() {
 const colour = (index, count) => `hsl(${Math.round(360 * index / count)} 65% ${matchMedia('(prefers-color-scheme: dark)').matches ? 65 : 38}%)`;
 const theme = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
+const units = { wrong: 'wrong rays per million', trace: 'ns per ray', metric: 'metric of the tree (no unit)', build: 'ns per primitive' };
 const figures = {
   wrong: f => isNumber(f.wrong) && f.checked > 0 ? Math.max(1e6 * f.wrong / f.checked, 0) : NaN,
   trace: f => 1e6 * f.trace_ms / f.rays,
@@ -105,7 +106,7 @@ function drawOne(id, axis, methods) {
       scales: {
         x: { type: log ? 'logarithmic' : 'linear', reverse: axis.from > axis.to, grid, ticks,
              title: { display: true, text: axis.parameter, color: theme('--text') } },
-        y: { type: 'logarithmic', min: id === 'wrong' ? floor : undefined, grid, ticks },
+        y: { type: 'logarithmic', min: id === 'wrong' ? floor : undefined, grid, ticks, title: { display: true, text: units[id], color: theme('--text') } },
       },
       plugins: {
         legend: { display: false },

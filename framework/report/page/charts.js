@@ -29,11 +29,15 @@ function cellLines(c) {
   return lines;
 }
 
+/* What draw() is told of a chart whose points are cells. */
+const moreOf = (set, points, hover) => ({ of: [set.scene, set.rays, set.view].filter(Boolean).join(' '), hover,
+                                          command: tracesCommand(points.map(p => p.cell.t)) });
+
 /* ---- speed, and time, against wrong answers ---- */
 const wrongAxis = range => axis(['wrong rays per million (log scale)', '\u2190 none found of n: at most 3/n'], true, range);
 
 /* Room for the arrows on the left. */
-const wrongRange = points => decades(points.flatMap(p => p.cell.none ? [p.x, p.x / 1.4] : [p.x, p.xHigh]));
+const wrongRange = points => decades(points.flatMap(p => p.none ? [p.x, p.x / 1.4] : [p.x, p.xHigh]));
 
 /* The checked cells as points; those on the Pareto front, which references are kept out of, are marked so. By the upper bound of
  * their rate, or one wrong ray of n would seem to beat none of n. */
@@ -64,7 +68,8 @@ function markTable(id, chart, points, columns) {
   const box = $(id), first = columns.findIndex(c => c.first);
   box.replaceChildren();
   tableStates[id] = tableStates[id] || { column: first, down: columns[first].down, words: [], odd: false };
-  const table = addTable(box, 'The marks of the chart. The arrow keys go through them.', columns, points, {
+  const again = commandColumn(p => cellCommand(p.cell));
+  const table = addTable(box, 'The marks of the chart. The arrow keys go through them.', [...columns, again], points, {
     tools: true, state: tableStates[id], css: p => p.cell.reference ? 'reference' : null, compact: true });
   for (const [p, row] of table.rows) {
     row.tabIndex = -1;
@@ -81,10 +86,10 @@ function markTable(id, chart, points, columns) {
   return p => { for (const [point, row] of table.rows) row.classList.toggle('pointed', point === p); };
 }
 
-const wrongColumn = num('Wrong ppm', p => p.cell.none ? 0 : p.cell.ppm, 'rays per million; \u2264: none found, at most 3/n',
+const wrongColumn = num('Wrong ppm', p => p.none ? 0 : p.cell.ppm, 'rays per million; \u2264: none found, at most 3/n',
   null);
-wrongColumn.text = p => p.cell.none ? `\u2264 ${figure(p.cell.ppm)}` : figure(p.cell.ppm);
-wrongColumn.css = p => p.cell.none ? '' : 'odd';
+wrongColumn.text = p => p.none ? `\u2264 ${figure(p.cell.ppm)}` : figure(p.cell.ppm);
+wrongColumn.css = p => p.none ? '' : 'odd';
 const frontColumn = { name: 'Front', title: 'on the Pareto front',
                       text: p => p.front ? 'on front' : p.cell.reference ? 'ref.' : dash };
 
@@ -119,14 +124,14 @@ function drawAccuracy(set, cells) {
   $('accuracy-note').textContent =
     spreadNote(points) + notes(set, drawn.concat(references), points);
   const show = markTable('accuracy-table', 'chart-accuracy', points, [
-    { name: 'Key', text: p => p.key }, { name: 'Kernel', text: p => p.cell.t.kernel },
+    { name: 'Kernel', text: p => p.cell.t.kernel },
     { name: 'Intersector', text: p => p.cell.t.intersector || dash },
     Object.assign(num('Mrays/s', p => p.y), { first: true, down: true }), wrongColumn,
     num(`/${embree}`, p => p.cell.ratio, 'ratio to the fastest embree-native row on the same rays'), frontColumn,
     { name: 'Builder', text: p => p.cell.label }]);
   draw('chart-accuracy', 'Trace speed against wrong rays per million', marks,
        { x: wrongAxis(range), y: axis('Mrays/s', false, { beginAtZero: true, grace: '5%' }) },
-       p => p.cell ? [p.cell.label].concat(cellLines(p.cell)) : '', show);
+       p => p.cell ? [p.cell.label].concat(cellLines(p.cell)) : '', moreOf(set, points, show));
 }
 
 function drawBuilders(set, cells) {
@@ -138,15 +143,14 @@ function drawBuilders(set, cells) {
   if (front.length) marks.push(line('Pareto front', stairs(front, ms.max, range.max)));
   $('builders-note').textContent = notes(set, drawn, points);
   const show = markTable('builders-table', 'chart-builders', points, [
-    { name: 'Key', text: p => p.key },
-    Object.assign(num('Total ms', p => p.y, 'boxes, build, transfer, layout and all rays'), { first: true, down: false }), wrongColumn, frontColumn,
-    { name: 'Builder', text: p => p.cell.label }, num('Build ms', p => p.cell.t.record.build_ms_median),
+    { name: 'Builder', text: p => p.key },
+    Object.assign(num('Total ms', p => p.y, 'boxes, build, transfer, layout and all rays'), { first: true, down: false }), wrongColumn, frontColumn, num('Build ms', p => p.cell.t.record.build_ms_median),
     num('First ray ms', p => p.cell.fixed_ms, 'boxes, build, transfer and layout'),
     Object.assign(num('Other ms', p => p.cell.fixed_ms - p.cell.t.record.build_ms_median), { title: 'boxes, transfer, layout' }),
     { name: 'Intersector', text: p => p.cell.t.intersector || dash },
     { name: 'Kernel', text: p => p.cell.t.kernel }]);
   draw('chart-builders', 'Time for build, layout and rays against wrong rays per million', marks,
-       { x: wrongAxis(range), y: axis('ms (log scale)', true, ms) }, p => p.cell ? cellLines(p.cell) : '', show);
+       { x: wrongAxis(range), y: axis('ms (log scale)', true, ms) }, p => p.cell ? cellLines(p.cell) : '', moreOf(set, points, show));
 }
 
 /* ---- time to n rays ---- */
@@ -173,8 +177,8 @@ function drawTime(set, cells) {
     const own = usable.filter(c => c.label === name);
     const points = steps.map(n => { const at = timeAt(own, n); return { x: n, y: at.ms, cell: at.cell }; });
     for (const end of [points[0], points[steps.length - 1]]) end.key = builderKey(own[0]);
-    return line(name, points, { borderColor: builderColour(own[0]), borderWidth: own[0].reference ? 1.5 : 2, hasTip: true,
-      pointHitRadius: 6, borderDash: [[], [8, 4], [2, 3], [10, 3, 2, 3], [5, 5]][i % 5], clip: 0 });
+    return line(name, points, { own: builderColour(own[0]), width: own[0].reference ? 1.5 : 2, hasTip: true,
+      pointHitRadius: 6, borderDash: against ? (isOld(name) ? [8, 4] : []) : [[], [8, 4], [2, 3], [10, 3, 2, 3], [5, 5]][i % 5], clip: 0 });
   });
   const overtaken = winners.filter((w, i) => i > 0 && w.cell.label !== winners[i - 1].cell.label && w.from > 0);
   const crossings = overtaken.map(w => ({ x: w.from, y: w.cell.fixed_ms + w.from * w.cell.msPerRay, cell: w.cell, front: true,
@@ -187,14 +191,15 @@ function drawTime(set, cells) {
   draw('chart-time', 'Time to n rays per builder', curves.concat([crossed]),
        { x: axis('n, rays traced (log scale)', true, { min, max }), y: axis('ms (log scale)', true, {}) },
        p => [`${brief(p.x)} rays: ${figure(p.y)} ms`, madeOf(p.cell), `${figure(p.cell.fixed_ms)} ms before the first ray, then ` +
-             `${figure(p.cell.msPerRay * 1e6)} ns per ray`, `wrong per million: ${rateText(p.cell)}${partly(p.cell)}`]);
+             `${figure(p.cell.msPerRay * 1e6)} ns per ray`, `wrong per million: ${rateText(p.cell)}${partly(p.cell)}`],
+       moreOf(set, usable.map(cell => ({ cell }))));
 }
 
 /* ---- what is said of the tree, and what building it costs ---- */
 function drawQuality(set, cells) {
   const metric = schema.metrics.find(m => m.name === $('pick-metric').value), name = metric.title;
   const points = cells.filter(c => !c.reference).map(c => ({
-    cell: c, key: builderKey(c) + kernelKey(c), x: c.metrics[metric.name], y: c.mrays_s, none: c.none,
+    cell: c, key: builderKey(c), x: c.metrics[metric.name], y: c.mrays_s, none: c.none,
     ySpread: spreadOf(c, 'mrays_s') }));
   const sets = marksOf(points, c => c.label, builderColour), xs = sets.flatMap(s => s.data).map(p => p.x);
   const rate = Math.max(0, ...cells.filter(c => isReference(c.builder)).map(c => c.mrays_s));
@@ -202,12 +207,12 @@ function drawQuality(set, cells) {
     sets.push(line('fastest embree-native', [{ x: Math.min(...xs), y: rate }, { x: Math.max(...xs), y: rate }],
                    { borderDash: [6, 4] }));
   $('quality-note').textContent = spreadNote(sets.flatMap(s => s.data)) +
-    'Keys: builder and kernel. Filled marks gave wrong answers.' +
+    'Filled marks gave wrong answers.' +
     (rate > 0 && xs.length ? ' Dashed: the fastest embree-native row, whose tree is not seen.' : '') +
     (xs.length ? '' : ` ${name} was not measured here.`);
   draw('chart-quality', `Trace speed against ${name}`, sets,
        { x: axis([name, metric.unit].filter(Boolean).join(', '), false, { grace: '5%' }), y: axis('Mrays/s', false, { beginAtZero: true, grace: '5%' }) },
-       p => p.cell ? cellLines(p.cell) : '');
+       p => p.cell ? cellLines(p.cell) : '', moreOf(set, points));
 }
 
 function drawBuild(set, cells) {
@@ -218,7 +223,7 @@ function drawBuild(set, cells) {
   $('build-note').textContent = spreadNote(sets.flatMap(s => s.data));
   draw('chart-build', 'Build speed against trace speed', sets,
        { x: axis('Mprims/s built (log scale)', true, decades(sets.flatMap(s => s.data).map(p => p.x))),
-         y: axis('Mrays/s', false, { beginAtZero: true, grace: '5%' }) }, p => cellLines(p.cell));
+         y: axis('Mrays/s', false, { beginAtZero: true, grace: '5%' }) }, p => cellLines(p.cell), moreOf(set, points));
 }
 
 /* ---- how the time per primitive grows with the scene ---- */
@@ -244,17 +249,17 @@ function drawGrowth() {
   if (all.length === 0) return;
   const sets = all.map(l => {
     const points = [...l.points.values()].sort((a, b) => a.x - b.x), colour = colourAt(names.indexOf(l.name));
-    points[points.length - 1].key = `${names.indexOf(l.name) + 1}`;
-    return line(`${l.name}, ${l.family}`, points, { borderColor: colour, backgroundColor: colour, pointRadius: 3, pointHitRadius: 8,
+    points[points.length - 1].key = l.name;
+    return line(`${l.name}, ${l.family}`, points, { own: colour, width: 1.5, pointRadius: 3, pointHitRadius: 8,
       hasTip: true, borderDash: [[], [8, 4], [2, 3]][families.indexOf(l.family) % 3] });
   });
-  $('growth-keys').replaceChildren(...names.map(name => el('li', {}, name)));
   draw('chart-growth', 'Build time per primitive against the number of primitives', sets,
        { x: axis('primitives (log scale)', true, decades(sets.flatMap(s => s.data).map(p => p.x))),
          y: axis('ns per primitive (log scale)', true, decades(sets.flatMap(s => s.data).map(p => p.y))) },
        p => [`${whole(p.x)} primitives: ${figure(p.y)} ns each`,
              measured(p.build.build_ms_median, 'ms', spreadOf(p.build, 'build_ms')),
-             p.build.scene]);
+             p.build.scene],
+       { of: '', command: buildsCommand(sets.flatMap(s => s.data.map(p => p.build))) });
 }
 
 function drawAll(set) {

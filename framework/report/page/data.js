@@ -4,6 +4,8 @@ const data = JSON.parse(document.getElementById('data').textContent);
 /* Names, units, formats, headings and help of all fields, and the metrics of trees (framework/record/fields.h). */
 const schema = JSON.parse(document.getElementById('schema-data').textContent);
 const sets = JSON.parse(document.getElementById('chart-data').textContent);
+const summaries = JSON.parse(document.getElementById('summary-data').textContent);
+const against = JSON.parse(document.getElementById('against-data').textContent);
 const pictures = JSON.parse(document.getElementById('picture-data').textContent);
 
 /* ---- small helpers ---- */
@@ -74,7 +76,9 @@ const traces = data.traces.map(t => {
 const embree = traces.some(t => t.traced_on) ? 'Embree on the CPU' : 'Embree';
 
 const isOk = t => t.status === 'ok' && isNumber(t.mrays_s);
-const label = t => t.builder + (t.traced_on ? ` (${t.traced_on})` : '') + (merged ? ` (run ${runOf(t) + 1})` : '');
+/* Of several runs, which one: their number, or old and new of two side by side. */
+const runName = run => against ? ['old', 'new'][run] : `run ${run + 1}`;
+const label = t => t.builder + (t.traced_on ? ` (${t.traced_on})` : '') + (merged ? ` (${runName(runOf(t))})` : '');
 
 /* 732.4 wrong OVERFLOW: capital letters above the limit; unlike: other cells with `exact` answer otherwise. */
 function wrongText(t) {

@@ -32,7 +32,7 @@ function decades(values) {
 }
 
 /* Under the marks their intervals, or ranges, which are dashed, and for "at most" an arrow to the
- * left; over them as many keys as find room. */
+ * left; over them as many names as find room. */
 const annotations = {
   id: 'annotations',
   beforeDatasetsDraw(chart) {
@@ -65,26 +65,47 @@ const annotations = {
     const { ctx, scales: { x, y } } = chart, placed = [];
     ctx.save();
     ctx.font = `11px ${Chart.defaults.font.family}`;
-    ctx.fillStyle = theme().text;
-    const points = chart.data.datasets.flatMap(set => set.data).filter(p => p.key);
-    for (const p of points.sort((a, b) => Boolean(b.front) - Boolean(a.front))) {
-      const width = ctx.measureText(p.key).width, right = x.getPixelForValue(p.x) + 8;
-      const top = y.getPixelForValue(p.y) + (p.below ? 5 : -14);
-      const left = right + width > chart.width - 2 ? right - width - 16 : right;
-      if (placed.some(b => left < b.right && left + width > b.left && Math.abs(top - b.top) < 11)) continue;
-      placed.push({ left, right: left + width, top });
-      ctx.fillText(p.key, left, top + 10);
+    const weight = p => (p.set.label === pointedAt ? 4 : 0) + (p.front ? 2 : 0) + (p.set.quiet ? 0 : 1);
+    const points = chart.data.datasets.flatMap(set => set.data.filter(p => p.key && isNumber(p.y)).map(p => ({ ...p, set })));
+    for (const p of points.sort((a, b) => weight(b) - weight(a))) {
+      const width = ctx.measureText(p.key).width, [px, py] = [x.getPixelForValue(p.x), y.getPixelForValue(p.y)];
+      if (py < y.top - 1 || py > y.bottom + 1) continue;
+      const places = [[px + 8, py - 14], [px - 8 - width, py - 14], [px + 8, py + 4], [px - 8 - width, py + 4]];
+      if (p.below) places.reverse();
+      const free = ([left, top]) => left > 2 && left + width < chart.width - 2 && top > 0 &&
+        !placed.some(b => left < b.right && left + width > b.left && Math.abs(top - b.top) < 11);
+      const place = places.find(free);
+      if (!place) continue;
+      placed.push({ left: place[0], right: place[0] + width, top: place[1] });
+      ctx.fillStyle = p.set.quiet ? theme().muted : theme().text;
+      ctx.fillText(p.key, place[0], place[1] + 10);
     }
     ctx.restore();
   },
 };
 
-/* `lines(point)` gives the text that is shown where the pointer is; `hover(point or null)` is told of it. */
-function draw(id, name, datasets, scales, lines, hover) {
-  const t = theme();
+/* Under each chart: buttons for its files, and the command that measures it again. */
+const about = {}; /* by chart: { name: of its files, command } */
+function chartTools(id) {
+  const copy = copyButton('Copy', () => about[id].command), code = el('code', { tabindex: '0' });
+  const tools = el('div', { class: 'chart-tools' }, ...chartButtons(() => charts[id], () => about[id].name), copy, code);
+  $(id).closest('figure').querySelector('figcaption').before(tools);
+  return command => {
+    code.textContent = command;
+    code.hidden = copy.hidden = command === '';
+  };
+}
+
+/* `lines(point)` gives the text that is shown where the pointer is. More: of: what is drawn, in words; command; hover(point or null)
+ * is told of the pointer. */
+function draw(id, name, datasets, scales, lines, more) {
+  const t = theme(), { hover } = more;
   if (charts[id]) charts[id].destroy();
-  const marks = datasets.reduce((sum, set) => sum + (set.isLine ? 0 : set.data.length), 0);
-  $(id).setAttribute('aria-label', `${name}: ${plural(marks, 'mark')}. The tables hold the same figures.`);
+  const curves = datasets.filter(set => set.isLine).length, marks = datasets.reduce((sum, set) => sum + (set.isLine ? 0 : set.data.length), 0);
+  paint(datasets);
+  $(id).setAttribute('aria-label', `${name}: ${marks || !curves ? plural(marks, 'mark') : plural(curves, 'curve')}. The tables hold the same figures.`);
+  about[id] = { show: about[id]?.show || chartTools(id), name: `${name} ${more.of}`, command: more.command };
+  about[id].show(more.command);
   charts[id] = new Chart($(id), {
     type: 'scatter',
     data: { datasets },
@@ -92,7 +113,11 @@ function draw(id, name, datasets, scales, lines, hover) {
     options: {
       animation: false, responsive: true, maintainAspectRatio: false, layout: { padding: { right: 18, top: 6 } },
       interaction: { mode: 'nearest', intersect: true },
-      onHover: (event, items) => hover && hover(items.length ? datasets[items[0].datasetIndex].data[items[0].index] : null),
+      onHover: (event, items) => {
+        const set = items.length ? datasets[items[0].datasetIndex] : null;
+        pointAtSeries(set && set.own ? set.label : null);
+        if (hover) hover(set ? set.data[items[0].index] : null);
+      },
       scales,
       plugins: {
         legend: { display: false },
@@ -119,8 +144,7 @@ function marksOf(points, name, colour) {
   const placed = points.filter(p => isNumber(p.x) && isNumber(p.y));
   return unique(placed.map(p => name(p.cell))).map(label => {
     const list = placed.filter(p => name(p.cell) === label), own = colour(list[0].cell);
-    return { label, data: list, borderColor: own, pointBorderColor: own, pointRadius: 6, pointHoverRadius: 8, pointBorderWidth: 2,
-             clip: 10, pointBackgroundColor: list.map(p => p.none ? theme().page : own),
+    return { label, data: list, own, pointRadius: isOld(list[0].cell.label) ? 4 : 6, pointHoverRadius: 8, pointBorderWidth: 2, clip: 10,
              pointStyle: list.map(p => shapeOf(p.cell)[0]), pointRotation: list.map(p => shapeOf(p.cell)[1]) };
   });
 }

@@ -82,10 +82,8 @@ function metricTexts() {
 /* ---- what is chosen ---- */
 let current;
 
-function legendButton(kind, name, key, colour, pressed) {
-  const chip = el('i', { 'aria-hidden': 'true' });
-  chip.style.background = colour;
-  const button = el('button', { type: 'button', 'aria-pressed': pressed + '' }, chip, el('b', {}, key), ` ${name}`);
+function legendButton(kind, name, colour) {
+  const button = seriesButton(name, colour, { 'aria-pressed': !hidden[kind].has(name) + '' });
   button.addEventListener('click', () => {
     if (!hidden[kind].delete(name)) hidden[kind].add(name);
     button.setAttribute('aria-pressed', !hidden[kind].has(name) + '');
@@ -100,9 +98,9 @@ function drawLegend(set) {
   const builders = first(set.cells, c => c.label), kernels = first(set.cells.filter(c => !c.reference), c => c.t.kernel);
   const intersectors = first(set.cells.filter(c => !c.reference), c => c.t.intersector || dash);
   $('legend-kernels').replaceChildren(...kernels.map(c =>
-    legendButton('kernel', c.t.kernel, kernelKey(c), kernelColour(c), !hidden.kernel.has(c.t.kernel))));
+    legendButton('kernel', c.t.kernel, kernelColour(c))));
   $('legend-builders').replaceChildren(...builders.map(c =>
-    legendButton('builder', c.label, builderKey(c), builderColour(c), !hidden.builder.has(c.label))));
+    legendButton('builder', c.label, builderColour(c))));
   $('shapes').textContent = 'Marks: ' + intersectors.map(c => `${shapeOf(c)[2]} ${c.t.intersector || dash}`)
     .concat(set.cells.some(c => c.reference) ? [`\u2715 tracers with trees of their own`] : []).join('   ') +
     '. Filled: wrong answers found; hollow: none.';
@@ -125,9 +123,9 @@ function unfold() {
   for (const details of target ? target.querySelectorAll('details.fold') : []) details.open = true;
 }
 
-readAddress();
-for (const part of [head, startVerdict, reproductions, traceTable, buildTable, sceneTable, stepTable, pictureGrid, metricTexts, startPrediction]) part();
 Chart.defaults.font.family = getComputedStyle(document.body).fontFamily;
+readAddress();
+for (const part of [head, startVerdict, startAgainst, reproductions, traceTable, buildTable, sceneTable, stepTable, pictureGrid, metricTexts, startPrediction]) part();
 redraw();
 for (const [id, key] of [['pick-scene', 'scene'], ['pick-rays', 'rays'], ['pick-view', 'view']])
   $(id).addEventListener('change', event => { picked[key] = event.target.value; redraw(); writeAddress(); });

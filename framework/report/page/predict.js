@@ -47,5 +47,6 @@ function drawPrediction(set) {
        { x: axis(`${title}, by the mean of trees`, false, { ...(points.length > 0 ? across : {}), ticks }),
          y: axis('time per ray, by the mean of trees', false, { ...(points.length > 0 ? up : {}), ticks }) },
        p => p.cell ? [`${p.cell.t.scene}, ${raysName(p.cell.t)}${p.cell.t.view ? `, view ${p.cell.t.view}` : ''}`, p.cell.t.kernel,
-                      `${title} ${p.x.toFixed(3)} of the mean, time ${p.y.toFixed(3)}`] : '');
+                      `${title} ${p.x.toFixed(3)} of the mean, time ${p.y.toFixed(3)}`] : '',
+       moreOf({ scene: '', rays: kind.rays }, points));
 }

@@ -1,4 +1,4 @@
-/* Colours, marks and keys of builders, kernels and intersectors: a series keeps its own whatever is chosen. */
+/* Colours, marks and short names of builders, kernels and intersectors: a series keeps its own whatever is chosen. */
 const palettes = {
   light: ['#0b62b0', '#b8420f', '#17734a', '#8a3a9b', '#7a5a00', '#00727a', '#b0103e', '#5a5f66', '#4b6b00', '#4f46c4',
           '#9c4668', '#2b2b2b'],
@@ -9,30 +9,43 @@ const dark = window.matchMedia('(prefers-color-scheme: dark)');
 let printing = false;
 const styleOf = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 function theme() {
-  if (printing) return { page: '#ffffff', text: '#000000', muted: '#40464e', line: '#b8bdc4' };
-  return { page: styleOf('--panel'), text: styleOf('--text'), muted: styleOf('--muted'), line: styleOf('--line') };
+  if (printing) return { page: '#ffffff', text: '#000000', muted: '#40464e', line: '#b8bdc4', grey: '#868d97' };
+  return { page: styleOf('--panel'), text: styleOf('--text'), muted: styleOf('--muted'), line: styleOf('--line'), grey: styleOf('--grey') };
 }
 const colourAt = index => palettes[dark.matches && !printing ? 'dark' : 'light'][index % palettes.light.length];
 
 const allCells = sets.flatMap(set => set.cells);
 const namesOf = (cells, name) => unique(cells.map(name));
-const builderNames = namesOf(allCells.filter(c => !c.reference), c => c.label);
-const referenceNames = namesOf(allCells.filter(c => c.reference), c => c.label);
+/* By merit, as in the summary of everything. */
+const ranked = (summaries.choices[0] || { rows: [] }).rows;
+const merit = cell => ranked.findIndex(row => row.builder === cell.t.builder && row.run === runOf(cell.t));
+const byMerit = allCells.slice().sort((a, b) => merit(a) - merit(b));
+const builderNames = namesOf(byMerit.filter(c => !c.reference), c => c.label);
+const referenceNames = namesOf(byMerit.filter(c => c.reference), c => c.label);
 const kernelNames = namesOf(allCells.filter(c => !c.reference), c => c.t.kernel);
 const intersectorNames = namesOf(allCells.filter(c => !c.reference), c => c.t.intersector || '');
 
-/* Keys stand beside the marks, so that nothing is said by colour alone: kernels A, B ... Z, AA; builders 1, 2 ...; references
- * R1, R2 ... */
-function letters(index) {
-  let text = '';
-  for (let rest = index + 1; rest > 0; rest = Math.floor((rest - 1) / 26))
-    text = String.fromCharCode(65 + (rest - 1) % 26) + text;
-  return text;
+/* Names stand beside the marks, so that nothing is said by colour alone: without the parameters that all of one name share, and of the
+ * others the values alone; in full where two would be the same. */
+function shortNames(names) {
+  const partsOf = name => name.match(/^([^:]*):?(.*)$/).slice(1);
+  const parameters = name => partsOf(name)[1].split(',').filter(Boolean);
+  const shorten = name => {
+    const peers = names.filter(other => partsOf(other)[0] === partsOf(name)[0]);
+    const telling = parameters(name).filter(p => !peers.every(peer => parameters(peer).includes(p)));
+    return [partsOf(name)[0], telling.map(p => p.replace(/^[^=]*=/, '')).join(',')].filter(Boolean).join(':');
+  };
+  const short = names.map(shorten);
+  return new Map(names.map((name, i) => [name, short.filter(s => s === short[i]).length > 1 ? name : short[i]]));
 }
-const builderKey = cell => cell.reference ? `R${referenceNames.indexOf(cell.label) + 1}`
-                                          : `${builderNames.indexOf(cell.label) + 1}`;
-const kernelKey = cell => cell.reference ? builderKey(cell) : letters(kernelNames.indexOf(cell.t.kernel));
-const builderColour = cell => cell.reference ? theme().text : colourAt(builderNames.indexOf(cell.label));
+const shortBuilders = shortNames([...builderNames, ...referenceNames]), shortKernels = shortNames(kernelNames);
+const builderKey = cell => shortBuilders.get(cell.label);
+const kernelKey = cell => cell.reference ? builderKey(cell) : shortKernels.get(cell.t.kernel);
+/* Old and new of one builder have one colour: the old one's curves are dashed, its marks small. */
+const isOld = name => Boolean(against) && name.endsWith(' (old)');
+const seriesOf = name => against ? name.replace(/ \((old|new)\)$/, '') : name;
+const builderSeries = unique(builderNames.map(seriesOf));
+const builderColour = cell => cell.reference ? theme().text : colourAt(builderSeries.indexOf(seriesOf(cell.label)));
 const kernelColour = cell => cell.reference ? theme().text : colourAt(kernelNames.indexOf(cell.t.kernel));
 
 /* By intersector: Chart.js' name, its rotation, and the sign for the legend. */

@@ -2,49 +2,29 @@
 const classOf = (c, row) => [c.number && 'number', c.wide && 'wide', c.minor && 'minor', row && c.css && c.css(row)]
   .filter(Boolean).join(' ') || null;
 
-/* A column: name, value(row) for sorting, text(row) for showing; number: right-aligned; minor: not on paper; css(row): a class.
- * Settings: tools: a filter; odd(row): of which rows alone may be shown; state: kept by the caller; foot, css(row), narrow, compact.
+/* A column: name, value(row) for sorting, text(row) for showing, node(row) for an entry of its own; number: right-aligned; down: sorts
+ * with the largest first, as numbers do unless it is false; minor: not on paper; css(row): a class.
+ * Settings: tools: a filter; odd(row): of which rows alone may be shown; state: kept by the caller; foot, css(row), narrow, compact,
+ * name: of the table's class.
  * Returns its scrolling region, and the rows with their elements. */
 function addTable(section, caption, columns, rows, settings) {
-  const body = el('tbody');
-  const headers = columns.map((column, i) => {
-    const button = el('button', { type: 'button', title: column.title }, column.name);
-    button.addEventListener('click', () => sortBy(i));
-    return el('th', { scope: 'col', class: classOf(column), 'aria-sort': 'none' }, button);
-  });
+  const body = el('tbody'), table = el('table', { class: settings.name });
   const state = settings.state || { column: -1, down: false, words: [], odd: false };
   const status = el('span', { class: 'note', role: 'status' });
 
   const cells = rows.map(row => columns.map(c => c.text ? c.text(row) : row[c.key] ?? dash));
   const nodes = rows.map((row, r) => el('tr', { class: settings.css ? settings.css(row) : null },
-    ...columns.map((c, i) => el(i === 0 ? 'th' : 'td', { scope: i === 0 ? 'row' : null, class: classOf(c, row) },
-                                String(cells[r][i])))));
+    ...columns.map((c, i) => c.node ? c.node(row) : el(i === 0 ? 'th' : 'td', { scope: i === 0 ? 'row' : null, class: classOf(c, row) },
+                                                       String(cells[r][i])))));
   const search = rows.map((row, r) => cells[r].join(' ').toLowerCase());
+  const value = (r, i) => columns[i].value ? columns[i].value(rows[r]) : cells[r][i];
 
-  function value(r) {
-    const c = columns[state.column];
-    const v = c.value ? c.value(rows[r]) : cells[r][state.column];
-    return typeof v === 'number' ? (Number.isFinite(v) ? v : null) : v === dash || v === '' ? null : v;
-  }
-  /* Rows without a value stay last in both directions. */
-  function compare(a, b) {
-    const x = value(a) ?? null, y = value(b) ?? null;
-    if (x === null || y === null) return (x === null) - (y === null) || a - b;
-    const order = typeof x === 'number' && typeof y === 'number' ? x - y : String(x).localeCompare(String(y), 'en');
-    return (state.down ? -order : order) || a - b;
-  }
   function show() {
     const list = [...rows.keys()].filter(r => (!state.odd || settings.odd(rows[r])) &&
                                               state.words.every(word => search[r].includes(word)));
-    if (state.column >= 0) list.sort(compare);
-    body.replaceChildren(...list.map(r => nodes[r]));
-    headers.forEach((th, k) => th.setAttribute('aria-sort', k !== state.column ? 'none' : state.down ? 'descending' : 'ascending'));
+    body.replaceChildren(...sorted(list, state, value).map(r => nodes[r]));
+    table.classList.toggle('sorted', state.column >= 0);
     status.textContent = `${list.length} of ${rows.length} rows`;
-  }
-  function sortBy(i) {
-    state.down = state.column === i ? !state.down : Boolean(columns[i].number);
-    state.column = i;
-    show();
   }
 
   if (settings.tools) {
@@ -56,18 +36,22 @@ function addTable(section, caption, columns, rows, settings) {
     };
     for (const input of [filter, odd]) input.addEventListener('input', change);
     section.append(el('div', { class: 'controls tools' }, el('label', {}, 'Filter ', filter),
-                      settings.odd ? el('label', {}, odd, ' only wrong answers and rows without a result') : null, status));
+                      settings.odd ? el('label', {}, odd, ` ${settings.oddly || 'only wrong answers and rows without a result'}`) : null, status));
   }
+  const heads = columns.map(c => ({ name: c.name, title: c.title, css: classOf(c), down: c.number && c.down !== false }));
+  const figures = () => [columns.map(c => c.name), ...[...body.children].map(node => nodes.indexOf(node)).map(r =>
+    columns.map((c, i) => typeof value(r, i) === 'number' ? value(r, i) : cells[r][i]))];
+  table.append(el('caption', {}, caption, ' ', csvButton(caption.split('.')[0], figures)), el('thead', {}, el('tr', {}, ...sortHeads(heads, state, show))), body,
+               ...(settings.foot ? [el('tfoot', {}, settings.foot)] : []));
   show();
   const css = ['scroll', settings.narrow && 'narrow', settings.compact && 'compact'].filter(Boolean).join(' ');
   const region = el('div', { class: css, role: 'region', tabindex: '0', 'aria-label': caption },
-    el('table', {}, el('caption', {}, caption), el('thead', {}, el('tr', {}, ...headers)), body,
-       settings.foot ? el('tfoot', {}, settings.foot) : null));
+    table);
   section.append(region);
   return { region, rows: rows.map((row, r) => [row, nodes[r]]) };
 }
 
-const runColumn = merged ? [{ name: 'Run', number: true, value: runOf, text: row => runOf(row) + 1 }] : [];
+const runColumn = merged ? [{ name: 'Run', number: true, value: runOf, text: row => against ? runName(runOf(row)) : runOf(row) + 1 }] : [];
 const num = (name, get, title, text) =>
   ({ name, number: true, value: get, text: row => (text || figure)(get(row)), title });
 
@@ -114,7 +98,7 @@ function traceTable() {
     ...minor([field('trace', 'count'), num('of', t => t.all, 'rays in the set', whole), field('trace', 'counted'),
     field('accuracy', 'overflowed'), ...fields('trace', ['query', 'layout', 'ms_median', 'sort_ms', 'event_ms', 'cpu_ms']),
     ...fields('accuracy', ['ties', 'margin_limited', 'oracle_wrong', 't_off', 't_ulp_p99', 't_ulp_max'])]),
-    ...minor([field('trace', 'cell', { wide: true })]),
+    commandColumn(rowCommand),
     field('trace', 'status', { text: statusText, wide: true, css: t => t.status === 'ok' ? '' : 'odd' }),
   ], traces, { tools: true, css: t => t.reference ? 'reference' : null,
                odd: t => t.status !== 'ok' || t.acc.wrong_ppm > 0 || t.acc.overflowed > 0 });
@@ -147,7 +131,7 @@ function buildTable() {
       field('build', 'stage_bytes_peak', { text: b => bytePairs(b.stage_bytes_peak) }),
       ...minor([field('build', 'stage_bytes', { text: b => bytePairs(b.stage_bytes) })])] : []), ...minor(fields('build', ['first_ray_launches', 'first_ray_floor_ms', 'phase_ms', 'layout_sah', 'parameter'])),
     ...(builds.some(b => b.about) ? [field('build', 'about', { wide: true })] : []),
-    ...minor([field('build', 'cell', { wide: true })]),
+    commandColumn(rowCommand),
     field('build', 'status', { text: statusText, wide: true, css: b => b.status === 'ok' ? '' : 'odd' }),
   ], builds, { tools: true, css: b => b.reference ? 'reference' : null, odd: b => b.status !== 'ok' });
 }

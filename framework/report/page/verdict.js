@@ -1,14 +1,14 @@
 /* The first screen: what the result says of its builders, over all scenes and rays or a choice of them. Rows, ties and sentences
  * were computed with the results (framework/compare/summary.h); this shows them. */
-const summaries = JSON.parse($('summary-data').textContent);
 const chosen = { scene: '', rays: '' };
 const summaryOf = (scene, rays) => summaries.choices.find(s => s.scene === scene && s.rays === rays);
 const everything = summaryOf('', '') || { rows: [], sentences: [], accuracy: [], scenes: 0, sets: 0, rounds: 0 };
-const nameOf = row => merged ? `${row.builder} (run ${row.run + 1})` : row.builder;
+const nameOf = row => merged ? `${row.builder} (${runName(row.run)})` : row.builder;
 /* Long names break between their parameters. */
 const breakable = name => name.split(/(?<=[:,+])/).flatMap(part => [part, el('wbr')]);
+const coloured = unique(everything.rows.filter(r => !r.reference).map(row => seriesOf(nameOf(row))));
 const rowColour = row => row.reference ? theme().muted
-  : colourAt(everything.rows.filter(r => !r.reference).findIndex(r => r.builder === row.builder && r.run === row.run));
+  : colourAt(coloured.indexOf(seriesOf(nameOf(row))));
 
 /* 0.97, 12.3, 154: as on the terminal. */
 const ratio = value => isNumber(value) ? value.toFixed(value < 9.995 ? 2 : value < 99.95 ? 1 : 0) : dash;
@@ -27,8 +27,6 @@ function barCell(heading, standing, share, row, extra) {
             el('span', { class: 'value' }, standingText(standing)), el('span', { class: 'track' }, bar));
 }
 
-const largest = (rows, get) => Math.max(0, ...rows.map(get).filter(isNumber));
-
 /* Build speeds differ by powers of ten: their bars are logarithmic, from a tenth of the slowest. */
 function logShare(value, all) {
   const seen = all.filter(v => v > 0), low = Math.min(...seen) / 2, high = Math.max(...seen);
@@ -41,75 +39,60 @@ function tieClass(rows, i) {
   return same(i - 1) || same(i + 1) ? `tie${same(i - 1) ? '' : ' first'}${same(i + 1) ? '' : ' last'}` : '';
 }
 
-function barRow(summary, row, i) {
-  const { rows } = summary;
-  const [million, billion] = [1, 4].map(k => row.image[k]), builds = rows.map(r => r.build.value), readies = rows.map(r => r.ready.value);
-  const wrong = !(row.checked > 0) ? dash : row.wrong === 0 ? 'none' : `${whole(row.wrong)} of ${brief(row.checked)}`;
-  const name = el('th', { scope: 'row' }, ...breakable(nameOf(row)), row.partial && !row.reference ? el('span', { class: 'note' },
-    ` no rank: ${row.sets} of ${plural(summary.sets, 'ray set')}`) : null, row.reference ? el('span', { class: 'note' }, '\u00a0tracer') : null,
-    row.leaves_out ? el('span', { class: 'note' }, ` not ranked by build: works ${ratio(row.untimed)} times as long outside the clock`) : null);
-  const least = k => Math.min(...rows.map(r => r.image[k].value).filter(isNumber));
-  const time = (s, k) => isNumber(s.value) ? least(k) / s.value : 0;
-  return el('tr', { class: row.reference ? 'reference' : null }, name,
-    barCell(`trace, of ${summary.reference || 'the best'}`, row.trace, row.trace.value / largest(rows, r => r.trace.value),
-            row, tieClass(rows, i)),
-    barCell('build, Mprims/s', row.build, logShare(row.build.value, builds), row),
-    barCell('build and layout, Mprims/s', row.ready, logShare(row.ready.value, readies), row),
-    barCell('time for 1 M rays', million, time(million, 1), row), barCell('time for 1 G rays', billion, time(billion, 4), row),
-    el('td', { class: row.wrong > 0 ? 'wrong' : null, 'data-heading': 'wrong rays' }, wrong));
+function builderCell(summary, row) {
+  const note = words => el('span', { class: 'note' }, words);
+  return el('th', { scope: 'row' }, ...breakable(nameOf(row)), row.reference ? note('\u00a0tracer') : null,
+    row.partial && !row.reference ? note(` no rank: ${row.sets} of ${plural(summary.sets, 'ray set')}`) : null,
+    row.leaves_out ? note(` build not ranked: ${ratio(row.untimed)}x of it outside the clock`) : null);
 }
 
+/* The traces that the choice is about; and of these the ones that rank: with `exact` on rays that most builders traced. */
+const chosenTraces = () => traces.filter(t => (!chosen.scene || t.scene === chosen.scene) && (!chosen.rays || t.rays === chosen.rays));
+const rankingTraces = summary => chosenTraces().filter(t => t.status === 'ok' && (t.reference || t.intersector === 'exact') &&
+  2 * (summaryOf(t.scene, t.rays) || everything).rows.length >= summary.rows.length);
+const choiceText = () => [chosen.scene || 'all scenes', chosen.rays || 'all rays'].join(' ');
+function rowAgain(summary, row) {
+  const own = x => x.builder === row.builder && runOf(x) === row.run, traced = rankingTraces(summary).filter(own);
+  return traced.length ? tracesCommand(traced) : buildsCommand(builds.filter(own));
+}
+
+const wrongRays = row => !(row.checked > 0) ? dash : row.wrong === 0 ? 'none' : `${whole(row.wrong)} of ${brief(row.checked)}`;
+
+/* A column of bars, which `share(value, all values)` of the width are long. */
+function barColumn(rows, name, title, get, share, down, extra) {
+  const all = rows.map(row => get(row).value).filter(isNumber);
+  return { name, title, number: true, down, value: row => get(row).value, text: row => standingText(get(row)),
+           node: row => barCell(name, get(row), isNumber(get(row).value) ? share(get(row).value, all) : 0, row, extra && extra(row)) };
+}
+
+/* A column of plain figures. */
+const plainColumn = (name, title, get, text, css) => ({ name, title, number: true, down: false, value: get, text,
+  node: row => el('td', { class: css ? css(row) : null, 'data-heading': name }, text(row)) });
+
+const verdictState = { column: -1, down: false, words: [], odd: false };
 function drawBars(summary) {
-  const heading = (text, title) => el('th', { scope: 'col', title }, text);
-  $('verdict-bars').replaceChildren(el('table', { class: 'verdict-table' },
-    el('thead', {}, el('tr', {}, heading('Builder'),
-      heading(`Trace speed, of ${summary.reference || 'the best'}`, 'geometric mean over the ray sets; a bracket: this run cannot tell them apart'),
-      heading('Build, Mprims/s (log)', 'geometric mean over the scenes'),
-      heading('+ layout', 'build and layout of the kernel that is fastest most often: what the first ray waits for'),
-      heading('Time for 1 M rays', 'build, layout and rays, by the best builder: 1.00 is best; longer bars are faster'),
-      heading('Time for 1 G rays', 'build, layout and rays, by the best builder: 1.00 is best; longer bars are faster'),
-      heading('Wrong rays'))),
-    el('tbody', {}, ...summary.rows.map((row, i) => barRow(summary, row, i)))));
-}
-
-/* ---- time to image, by the best ---- */
-const svg = (tag, attributes, ...children) => {
-  const node = document.createElementNS('http://www.w3.org/2000/svg', tag);
-  for (const [name, value] of Object.entries(attributes)) node.setAttribute(name, value);
-  node.append(...children);
-  return node;
-};
-
-/* Curves from 1, the best, up to `top`; above, they leave the picture. */
-function drawCurves(summary) {
-  const counts = summaries.curve_counts, top = 2, [w, h, left, bottom, above, right] = [640, 250, 34, 34, 10, 24];
-  const x = n => left + (w - left - right) * Math.log10(n / counts[0]) / Math.log10(counts[counts.length - 1] / counts[0]);
-  const y = v => above + (h - bottom - above) * (top - v) / (top - 1 + 0.06);
-  const own = summary.rows.filter(r => r.curve.some(isNumber));
-  const t = theme(), picture = svg('svg', { viewBox: `0 0 ${w} ${h}`, role: 'img',
-    'aria-label': `Time to image by that of the best builder, for ${brief(counts[0])} to ${brief(counts[counts.length - 1])} rays` });
-  const text = (px, py, words, anchor) => svg('text', { x: px, y: py, fill: t.muted, 'font-size': 12, 'text-anchor': anchor }, words);
-  for (const v of [1, 1.25, 1.5, 1.75, 2])
-    picture.append(svg('line', { x1: left, x2: w - right, y1: y(v), y2: y(v), stroke: t.line }), text(left - 4, y(v) + 4, v.toFixed(2), 'end'));
-  for (let n = counts[0]; n <= counts[counts.length - 1] * 1.01; n *= 100)
-    picture.append(svg('line', { x1: x(n), x2: x(n), y1: above, y2: h - bottom, stroke: t.line }), text(x(n), h - bottom + 16, brief(n), 'middle'));
-  picture.append(text((left + w) / 2, h - 4, 'rays to trace', 'middle'));
-  for (const row of own) {
-    const points = counts.map((n, i) => [n, row.curve[i]]).filter(([, v]) => isNumber(v));
-    const path = points.map(([n, v], i) => `${i ? 'L' : 'M'}${x(n).toFixed(1)} ${Math.max(-40, y(v)).toFixed(1)}`).join('');
-    const curve = svg('path', { d: path, fill: 'none', stroke: rowColour(row), 'stroke-width': row.reference ? 1 : 2,
-                                'stroke-dasharray': row.reference ? '3 3' : 'none', 'clip-path': 'url(#curve-clip)' });
-    curve.append(svg('title', {}, nameOf(row)));
-    picture.append(curve);
-  }
-  picture.prepend(svg('clipPath', { id: 'curve-clip' }, svg('rect', { x: left, y: above, width: w - left - right, height: h - bottom - above + 3 })));
-  const ranked = own.filter(r => !r.reference && !r.leaves_out);
-  const first = ranked.filter(r => r.curve.some(v => v === Math.min(...ranked.map(o => o.curve[r.curve.indexOf(v)]))));
-  $('verdict-curves').replaceChildren(picture, el('div', { class: 'legend' }, ...own.map(row => {
-    const chip = el('i', { 'aria-hidden': 'true' });
-    chip.style.background = rowColour(row);
-    return el('span', { class: first.includes(row) ? 'winner' : null }, chip, nameOf(row));
-  })));
+  const { rows } = summary, most = (value, all) => value / Math.max(...all), least = (value, all) => Math.min(...all) / value;
+  const time = (k, rays) => barColumn(rows, `Time for ${rays} rays`,
+    'build, layout and rays, by the best builder: 1.00 is best; longer bars are faster', row => row.image[k], least, false);
+  const sah = schema.metrics.find(m => m.of_layouts).title;
+  $('verdict-bars').replaceChildren();
+  addTable($('verdict-bars'), 'Builders, the fastest trace first. Press a heading to sort.', [
+    { name: 'Builder', value: nameOf, text: nameOf, node: row => builderCell(summary, row) },
+    barColumn(rows, `Trace speed, of ${summary.reference || 'the best'}`,
+              'geometric mean over the ray sets; a line at the left: this run cannot tell them apart', row => row.trace, most, true,
+              row => tieClass(rows, rows.indexOf(row))),
+    barColumn(rows, 'Build, Mprims/s', 'geometric mean over the scenes; bars are logarithmic', row => row.build, logShare, true),
+    barColumn(rows, '+ layout, Mprims/s', 'build and layout of the kernel that is fastest most often: what the first ray waits for; bars are logarithmic',
+              row => row.ready, logShare, true),
+    time(1, '1 M'), time(4, '1 G'),
+    plainColumn(`${sah}, of the best`, 'expected cost of random rays through the tree, by the least', row => row.quality.value,
+                row => standingText(row.quality), row => row.quality.best ? 'best' : null),
+    plainColumn('Tree', 'bytes of the tree, in the scene where it takes most', row => row.tree, row => bytes(row.tree)),
+    plainColumn('Peak', 'bytes of the tree and all scratch memory, in the scene where they are most', row => row.peak, row => bytes(row.peak)),
+    plainColumn('Wrong rays', 'of the rays that were judged', row => row.checked > 0 ? row.wrong : null, wrongRays,
+                row => row.wrong > 0 ? 'wrong' : null),
+    commandColumn(row => rowAgain(summary, row)),
+  ], rows, { state: verdictState, css: row => row.reference ? 'reference' : null, name: 'verdict-table' });
 }
 
 /* ---- what accuracy costs: intersectors on the same rays, trees and kernels ---- */
@@ -117,28 +100,36 @@ function drawIntersectors(summary) {
   const found = summary.accuracy.filter(a => isNumber(a.ppm) && isNumber(a.speed));
   $('verdict-accuracy').hidden = found.length < 2;
   if (found.length < 2) return;
-  const [w, h, left, bottom, above, right] = [640, 220, 44, 34, 12, 24], t = theme();
-  const { min, max } = decades(found.flatMap(a => [a.ppm / 1.5, a.ppm * 4])), speeds = found.map(a => a.speed);
-  const low = Math.min(0.9, ...speeds) - 0.05, high = Math.max(1.1, ...speeds) + 0.05;
-  const x = v => left + (w - left - right) * Math.log(v / min) / Math.log(max / min);
-  const y = v => above + (h - bottom - above) * (high - v) / (high - low);
-  const text = (px, py, words, anchor, colour) =>
-    svg('text', { x: px, y: py, fill: colour || t.muted, 'font-size': 12, 'text-anchor': anchor }, words);
-  const picture = svg('svg', { viewBox: `0 0 ${w} ${h}`, role: 'img', 'aria-label': 'Speed of intersectors against their wrong answers' });
-  for (let v = min; v <= max * 1.01; v *= 10)
-    picture.append(svg('line', { x1: x(v), x2: x(v), y1: above, y2: h - bottom, stroke: t.line }), text(x(v), h - bottom + 16, brief(v), 'middle'));
-  for (let v = Math.ceil(low * 5) / 5; v <= high; v += 0.2)
-    picture.append(svg('line', { x1: left, x2: w - right, y1: y(v), y2: y(v), stroke: t.line }), text(left - 4, y(v) + 4, v.toFixed(1), 'end'));
-  picture.append(text((left + w) / 2, h - 4, 'wrong rays per million (log scale)', 'middle'));
-  for (const a of found) {
-    const none = a.wrong === 0, far = x(a.ppm) > w * 0.7;
-    picture.append(svg('line', { x1: Math.max(left, x(Math.max(a.ppm_lo, min))), x2: Math.min(w - right, x(Math.min(a.ppm_hi, max))),
-                                 y1: y(a.speed), y2: y(a.speed), stroke: t.muted }),
-      svg('circle', { cx: x(a.ppm), cy: y(a.speed), r: 5, fill: none ? t.page : t.text, stroke: t.text, 'stroke-width': 2 }),
-      text(x(a.ppm) + (far ? -10 : 10), y(a.speed) + (far ? 16 : -6), `${a.intersector}${none ? ': none found' : a.wrong_t > 0.9 * a.wrong ? ' (distances)' : ''}`,
-           far ? 'end' : 'start', t.text));
+  const points = found.map(a => ({ x: a.ppm, y: a.speed, a, none: a.wrong === 0, atMost: a.wrong === 0, xLow: a.ppm_lo, xHigh: a.ppm_hi,
+    key: a.intersector + (a.wrong === 0 ? ': none found' : a.wrong_t > 0.9 * a.wrong ? ' (distances)' : '') }));
+  const t = theme(), ours = chosenTraces().filter(row => !row.reference);
+  const used = ours.filter(row => ours.some(other => raysKey(other) === raysKey(row) && other.intersector !== row.intersector));
+  draw('chart-intersectors', 'Speed of intersectors against wrong rays per million',
+       [{ label: 'intersectors', data: points, borderColor: t.muted, pointBorderColor: t.text, pointBorderWidth: 2, pointRadius: 5, clip: 10,
+          pointBackgroundColor: points.map(p => p.none ? t.page : t.text) }],
+       { x: wrongAxis(wrongRange(points)), y: axis('speed / speed of exact', false, { grace: '20%' }) },
+       p => [p.key, `${ratio(p.y)} of the speed of exact`, `${whole(p.a.wrong)} wrong of ${whole(p.a.checked)} rays`],
+       { of: choiceText(), command: tracesCommand(used) });
+}
+
+/* ---- time to image, by the best ---- */
+
+/* Curves around 1, the best builder, up to 2; above, they leave the picture. Tracers may be below. */
+function drawCurves(summary) {
+  const counts = summaries.curve_counts, own = summary.rows.filter(r => r.curve.some(isNumber));
+  const curves = own.map(row => line(nameOf(row), counts.map((n, i) => ({ x: n, y: row.curve[i] })).filter(p => isNumber(p.y)),
+    { own: rowColour(row), width: row.reference ? 1.5 : 2, borderDash: row.reference ? [3, 3] : isOld(nameOf(row)) ? [8, 4] : [], hasTip: true, pointHitRadius: 6, clip: 2 }));
+  const short = shortNames(own.map(nameOf));
+  for (const { label, data } of curves) { /* its name stands where it is best */
+    const best = data.reduce((a, b) => b.y < a.y ? b : a);
+    best.key = short.get(label);
+    best.front = best.y === 1;
   }
-  $('verdict-intersectors').replaceChildren(picture);
+  draw('chart-image', 'Time to image by that of the best builder', curves,
+       { x: axis('rays to trace (log scale)', true, { min: counts[0], max: counts[counts.length - 1] }),
+         y: axis("time to image / best builder's", false, { min: Math.floor(4 * Math.min(1, ...curves.flatMap(c => c.data.map(p => p.y)))) / 4, max: 2 }) },
+       p => `${brief(p.x)} rays: ${ratio(p.y)} of the best builder's`, { of: choiceText(), command: tracesCommand(rankingTraces(summary)) });
+  $('verdict-legend').replaceChildren(...own.map(row => seriesButton(nameOf(row), rowColour(row))));
 }
 
 /* ---- sentences and figures ---- */
@@ -168,7 +159,7 @@ function drawSummaryTable(summary) {
 /* ---- the choice, also in the address ---- */
 function drawVerdict() {
   const summary = summaryOf(chosen.scene, chosen.rays) || everything;
-  for (const part of [drawBars, drawCurves, drawIntersectors, drawSentences, drawSummaryTable]) part(summary);
+  for (const part of [drawSentences, drawBars, drawIntersectors, drawCurves, drawSummaryTable]) part(summary);
 }
 
 function writeAddress() {

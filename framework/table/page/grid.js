@@ -1,4 +1,4 @@
-/* Tables that sort: a column's heading sorts by it, once more the other way round. */
+/* Tables of a page, which sort. */
 
 const isText = item => typeof item === 'string';
 const isTexts = (block, column) => block.rows.some(row => isText(row[column]));
@@ -8,28 +8,15 @@ function entry(item, column, isName) {
   return el('td', { class: item.best ? 'number best' : 'number' }, figureWithInterval(item, column.decimals));
 }
 
-function before(a, b) {
-  if (isText(a) || isText(b)) return String(a).localeCompare(String(b), 'en', { numeric: true });
-  if (!isNumber(a.value) || !isNumber(b.value)) return isNumber(b.value) - isNumber(a.value);
-  return a.value - b.value;
-}
-
 function gridOf(block) {
-  const body = el('tbody', {}), heads = [];
-  const fill = rows => body.replaceChildren(...rows.map(row =>
+  const body = el('tbody'), state = { column: -1, down: false };
+  const value = (row, i) => isText(row[i]) ? row[i] : row[i].value;
+  const show = () => body.replaceChildren(...sorted(block.rows, state, value).map(row =>
     el('tr', {}, ...row.map((item, i) => entry(item, block.columns[i], i === 0)))));
-  const sortBy = i => {
-    const down = heads[i].getAttribute('aria-sort') === 'ascending';
-    heads.forEach(head => head.removeAttribute('aria-sort'));
-    heads[i].setAttribute('aria-sort', down ? 'descending' : 'ascending');
-    fill([...block.rows].sort((a, b) => (down ? -1 : 1) * before(a[i], b[i])));
-  };
-  block.columns.forEach((column, i) => {
-    const button = el('button', { type: 'button', title: column.help || null }, column.heading);
-    button.addEventListener('click', () => sortBy(i));
-    heads.push(el('th', { scope: 'col', class: isTexts(block, i) ? null : 'number' }, button));
-  });
-  fill(block.rows);
-  return el('div', { class: 'scroll' }, el('table', {}, block.text ? el('caption', {}, block.text) : null,
+  const heads = sortHeads(block.columns.map((column, i) =>
+    ({ name: column.heading, title: column.help || null, css: isTexts(block, i) ? null : 'number' })), state, show);
+  show();
+  const figures = () => [block.columns.map(column => column.heading), ...sorted(block.rows, state, value).map(row => row.map((_, i) => value(row, i)))];
+  return el('div', { class: 'scroll' }, el('table', {}, el('caption', {}, block.text, ' ', csvButton(block.text || page.title, figures)),
     el('thead', {}, el('tr', {}, ...heads)), body));
 }

@@ -25,14 +25,14 @@ function datasetsOf(block) {
 }
 
 const plotOf = block => el('figure', { class: 'card' }, block.text ? el('h3', {}, block.text) : null,
-  el('div', { class: 'plot' }, el('canvas', { role: 'img', 'aria-label': block.text || block.y })));
+  el('div', { class: 'plot' }, el('canvas', { role: 'img', 'aria-label': block.text || block.y })), el('div', { class: 'chart-tools' }));
 
 /* Once it is on the page. */
 function draw(block, canvas) {
   const bars = block.drawing === 'bars';
   if (bars) canvas.parentElement.style.height = `${5 + 2 * block.rows.length}rem`;
   const names = { stacked: true, grid: { display: false }, ticks: { color: colourOf('--muted'), autoSkip: false } };
-  new Chart(canvas, {
+  const chart = new Chart(canvas, {
     type: bars ? 'bar' : 'scatter', data: { labels: bars ? block.rows.map(nameOf) : undefined, datasets: datasetsOf(block) },
     options: {
       indexAxis: bars ? 'y' : 'x', animation: false, responsive: true, maintainAspectRatio: false,
@@ -41,4 +41,5 @@ function draw(block, canvas) {
       plugins: { legend: { labels: { color: colourOf('--text'), boxWidth: 12 } } },
     },
   });
+  canvas.closest('figure').querySelector('.chart-tools').append(...chartButtons(() => chart, () => block.text || block.y));
 }
