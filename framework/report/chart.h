@@ -44,6 +44,14 @@ typedef struct bb_charts {
     bb_chart_cell *cells;
 } bb_charts;
 
+/* A chart for print: letters of 7 points, no title and no background, names instead of keys, and
+ * marks and lines that are distinct in grey. */
+typedef struct bb_chart_print {
+    const char *name; /* of the chart: that of its SVG, without the extension */
+    double width_mm;
+    const char *file; /* to be written into gnuplot's current folder; ends with .pdf, .svg, .png */
+} bb_chart_print;
+
 /* Makes the cells of all measured traces. They point into `results`, which must outlive them
  * unchanged. */
 bb_status bb_charts_make(bb_results *results, bb_charts *out);

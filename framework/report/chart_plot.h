@@ -3,7 +3,7 @@
 #ifndef BB_CHART_PLOT_H
 #define BB_CHART_PLOT_H
 
-#include "framework/report/chart_script.h"
+#include "framework/report/chart.h"
 
 #include <stdio.h>
 
@@ -48,7 +48,7 @@ typedef struct bb_mark {
 typedef struct bb_plot {
     FILE *out; /* `script` while a wanted picture is written, else `nowhere` */
     FILE *script, *nowhere;
-    const bb_figure *figure; /* NULL: all pictures for the screen */
+    const bb_chart_print *figure; /* NULL: all pictures for the screen */
     bb_series kernels, builders, intersectors, references;
     bool several_runs;
     const bb_chart_set *set;

@@ -97,7 +97,7 @@ static bb_status no_such_figure(const bb_plot *p)
                    p->figure->name, p->sets, p->kinds);
 }
 
-bb_status bb_charts_script(const bb_charts *charts, const bb_figure *figure, FILE *out,
+bb_status bb_charts_script(const bb_charts *charts, const bb_chart_print *figure, FILE *out,
                            uint32_t *pictures)
 {
     bb_plot plot = {.out = out,

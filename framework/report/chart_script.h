@@ -7,21 +7,13 @@
 
 #include <stdio.h>
 
-/* A chart for print: letters of 7 points, no title and no background, names instead of keys, and
- * marks and lines that are distinct in grey. */
-typedef struct bb_figure {
-    const char *name; /* of the chart: that of its SVG, without the extension */
-    double width_mm;
-    const char *file; /* to be written into gnuplot's current folder; ends with .pdf, .svg, .png */
-} bb_figure;
-
 /* Writes the script. For each scene and rays, over all views, there are pictures of kernels' speed
  * against wrong answers, of builders' time against wrong answers, of time to n rays, and of speed
  * against SAH and other measured metrics of trees. `pictures` gets their number. The script writes
  * NAME.svg and NAME.png into gnuplot's current folder, or `figure` alone, unless that is NULL.
  * Names from the records occur in it only as quoted text. BB_INVALID: no chart has the figure's
  * name. */
-bb_status bb_charts_script(const bb_charts *charts, const bb_figure *figure, FILE *out,
+bb_status bb_charts_script(const bb_charts *charts, const bb_chart_print *figure, FILE *out,
                            uint32_t *pictures);
 
 #endif

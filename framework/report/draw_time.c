@@ -144,6 +144,8 @@ static void draw_time(bb_plot *p)
         if (lines_of(p, builder_at(p, i)) > 0)
             print_curve(p, builder_at(p, i), i, &f.x, ends + 2 * curves++);
     bb_plot_place_keys(p, p->marks, crossings + 2 * curves, &f.x, &f.y);
+    for (uint32_t i = 0; i < crossings && p->figure == NULL; i++)
+        p->marks[i].label_right = 1; /* all are named */
     print_keys(p->out, "cross", p->marks, crossings);
     print_keys(p->out, "keys", ends, 2 * curves);
     fputs("plot $keys using 1:2:3 with labels left offset char 0.3,0.5 notitle, \\\n $keys using "

@@ -79,7 +79,7 @@ static bb_status draw_beside(const char *folder, const char *part, const char *s
 }
 
 /* The script of all charts, or of a figure alone, from malloc. */
-static bb_status make_script(bb_results *results, const bb_figure *figure, char **script,
+static bb_status make_script(bb_results *results, const bb_chart_print *figure, char **script,
                              uint32_t *pictures)
 {
     bb_charts charts = {0};
@@ -118,7 +118,7 @@ bb_status bb_report_figure(bb_results *results, const char *name, double width_m
 {
     char *script, *folder, part[PATH_MAX];
     const char *slash = strrchr(path, '/');
-    const bb_figure figure = {name, width_mm, slash != NULL ? slash + 1 : path};
+    const bb_chart_print figure = {name, width_mm, slash != NULL ? slash + 1 : path};
     uint32_t pictures;
     if (snprintf(part, sizeof part, "%s.part", path) >= (int)sizeof part)
         return bb_fail(BB_INVALID, "%s: the path is too long", path);

@@ -106,7 +106,7 @@ if [ -f "$folder/report-charts/charts.gp" ]; then
         sed -n "/output '$1.svg'/,/output '$1.png'/p" "$folder/report-charts/charts.gp" | sed -n "/^\$$2 <</,/^EOD/p" | sed '1d;$d'
     }
     # a builder's number in gnuplot's legend, for the name that the page has
-    block coffee_primary_time cross | sed 's/.*"\(.*\)"/\1/' | while read -r number crossing; do
+    block coffee_primary_time cross | sed 's/^[^"]*"\([^"]*\)".*/\1/' | while read -r number crossing; do
         sed -n "/output 'coffee_primary_time.svg'/,\$s/.*title '$number  \([^']*\)'.*/$crossing<\/b>: \1,/p" \
             "$folder/report-charts/charts.gp" | head -n 1
     done >"$folder/crossings"
