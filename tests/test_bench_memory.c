@@ -170,8 +170,8 @@ static uint32_t judged_in(uint64_t room, bb_scene *scene)
     return judged;
 }
 
-/* Where builds and the oracle do not fit beside each other, it is made again when it is asked; and a
- * tree is measured without its builder, where its metrics need that room. */
+/* Where builds and the oracle do not fit beside each other, it is made again when it is asked; and
+ * a tree is measured without its builder, where its metrics need that room. */
 static void oracle_and_builders_make_room(void **state)
 {
     (void)state;

@@ -125,9 +125,9 @@ bb_status bb_bench_scene(bb_bench *bench, const char *name);
 /* Measures the builds of all entrants, interleaved, and fills their records. */
 bb_status bb_bench_builds(bb_bench *bench);
 
-/* For a builder that was refused memory of the host: frees what the oracle needs, until it is asked,
- * else the trees of all tracers if they hold what was missing; their rows are refused then. Returns
- * whether anything was freed. `whom` is the bench. */
+/* For a builder that was refused memory of the host: frees what the oracle needs, until it is
+ * asked, else the trees of all tracers if they hold what was missing; their rows are refused then.
+ * Returns whether anything was freed. `whom` is the bench. */
 bool bb_bench_give_up(void *whom);
 
 /* Makes sure that the oracle has all that it needs and that so many bytes fit beside it. If memory

@@ -1,4 +1,4 @@
-/* Axes, titles and style of a picture, for the screen or for print, and where its keys have room. */
+/* Axes, titles and style of a picture, for screens or for print, and where its keys have room. */
 #include "framework/report/chart_plot.h"
 
 #include <math.h>

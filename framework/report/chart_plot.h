@@ -104,7 +104,7 @@ typedef struct bb_chart_frame {
     uint32_t left_out;  /* number of cells that are not drawn; the picture shows it */
 } bb_chart_frame;
 
-/* Writes titles, axes and style of the SVG, or of the figure. bb_plot_end() repeats the plot as PNG.
+/* Writes titles, axes and style of the SVG, which bb_plot_end() repeats as PNG, or of the figure.
  * To be called before anything else is written to p->out, which goes nowhere if the picture is not
  * wanted. */
 void bb_plot_begin(bb_plot *p, const bb_chart_frame *frame);
@@ -113,8 +113,8 @@ void bb_plot_end(bb_plot *p, const bb_chart_frame *frame);
 /* ---- marks ---- */
 
 /* Sets colour and shape of a mark: its colour is that of its series in `list`, its shape that of
- * its intersector, or in print, where there is but one intersector, of its series; filled, or hollow
- * if none of the cell's rays was wrong. References are crosses. */
+ * its intersector, or in print, where there is but one intersector, of its series; filled, or
+ * hollow if none of the cell's rays was wrong. References are crosses. */
 void bb_plot_look(const bb_plot *p, const bb_series *list, bb_mark *mark);
 /* Sets the mark's y to the cell's speed, with its interval or else its range, and extends the axis
  * to them. */

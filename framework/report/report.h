@@ -41,8 +41,8 @@ bb_status bb_report_charts_folder(const char *page, char *folder, size_t capacit
  * which is made if need be; *pictures is how many charts there are. BB_FAILED with gnuplot's own
  * words if it is missing or fails. */
 bb_status bb_report_charts(bb_results *results, const char *folder, uint32_t *pictures);
-/* One of them for print (bb_chart_print) into the file `path`, which ends with .pdf, .svg or .png, and
- * stays as it is if this fails. BB_INVALID with the names that there are: there is none of this
+/* One of them for print (bb_chart_print) into the file `path`, which ends with .pdf, .svg or .png,
+ * and stays as it is if this fails. BB_INVALID with the names that there are: there is none of this
  * name. */
 bb_status bb_report_figure(bb_results *results, const char *name, double width_mm,
                            const char *path);
