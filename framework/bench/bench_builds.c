@@ -1,5 +1,5 @@
-/* Builds all entrants, interleaved in an order that is shuffled per round; then measures their
- * trees, and makes their layouts in such rounds. */
+/* Builds all entrants, interleaved in an order that is shuffled per round; then has their trees
+ * measured, and their layouts made in such rounds. */
 #include "framework/bench/bench_private.h"
 
 #include "framework/base/clock.h"
@@ -13,8 +13,6 @@
 enum {
     /* builds with exact phase boundaries; on a device they are extra builds, which do not count */
     PHASE_BUILDS = 3,
-    TRANSFERS = 5, /* that count, after a first one */
-    METRIC_SAMPLES = 1000000,
     /* bytes; a device's compiler, which may run in any build, needs more */
     UNBOOKED_LEAST = 32 << 20,
     UNBOOKED_LEAST_ON_DEVICE = 128 << 20,
@@ -58,23 +56,6 @@ static void add_steps(bb_entrant *entrant)
         record->steps[i].bytes = instance->steps[i].bytes;
         record->steps[i].bytes_peak = instance->steps[i].peak;
     }
-}
-
-/* ---- transfers ---- */
-
-/* Times the transfers that stages on the host need (bb_instance_transfer()). A pipeline on the
- * device needs none. The first transfer, on fresh memory, does not enter the median. */
-static bb_status measure_transfer(bb_bench *bench, bb_entrant *entrant)
-{
-    if (bb_pipeline_on_device(&entrant->pipeline) == entrant->pipeline.count)
-        return BB_OK;
-    bb_step step = bb_bench_begin(bench);
-    for (uint32_t i = 0; i <= TRANSFERS; i++) {
-        double ms;
-        BB_TRY(bb_instance_transfer(&entrant->resident->instance, bench->scene, &ms));
-        bb_samples_add(&entrant->record.transfer_ms, ms);
-    }
-    return bb_bench_end(bench, step, "transfers", BB_OK);
 }
 
 /* Checks a tree. Every tree is checked: a hand-over between work-groups may fail only now and then.
@@ -142,98 +123,6 @@ static bb_status timed_build(bb_bench *bench, bb_entrant *entrant, bool exact)
     return BB_OK;
 }
 
-static bool is_requested(const bb_bench *bench, const bb_metric *metric)
-{
-    for (uint32_t i = 0; i < bench->request->metric_count; i++)
-        if (strcmp(bench->request->metrics[i], metric->name) == 0)
-            return true;
-    return false;
-}
-
-/* Measures the metrics that are always measured, or those on request, which are sampled and booked
- * as a step.
- */
-static bb_status measure_metrics(bb_bench *bench, bb_entrant *entrant, const bb_tree *tree,
-                                 bool on_request)
-{
-    for (uint32_t i = 0; i < bb_metric_count(); i++) {
-        const bb_metric *metric = bb_metrics[i];
-        if (metric->on_request != on_request || (on_request && !is_requested(bench, metric)) ||
-            (bench->request->lean && metric->sampled))
-            continue;
-        bb_step step = bb_bench_begin(bench);
-        BB_TRY(bb_metric_compute(metric, tree, bench->scene, METRIC_SAMPLES, bench->request->seed,
-                                 &entrant->record.metrics[i]));
-        if (on_request || metric->sampled)
-            BB_TRY(bb_bench_end(bench, step, metric->title, BB_OK));
-    }
-    return BB_OK;
-}
-
-static double sah_of_tree(const bb_entrant *entrant)
-{
-    return entrant->record.metrics[bb_metric_of_layouts()].value;
-}
-
-/* Measures the SAH of the trees between the stages of a pipeline; that of the last is known. A tree
- * that the host has no room for gets no figure. */
-static bb_status measure_stages(bb_entrant *entrant)
-{
-    bb_build_record *record = &entrant->record;
-    bb_instance *instance = &entrant->resident->instance;
-    for (uint32_t i = 0; i < record->step_count; i++) {
-        const uint32_t stage = instance->steps[i].stage;
-        if (stage + 1 == instance->pipeline.count)
-            record->steps[i].sah = sah_of_tree(entrant);
-        else if (stage != BB_NONE) {
-            bb_status status = bb_instance_stage_sah(instance, stage, &record->steps[i].sah);
-            if (status != BB_OK && status != BB_REFUSED)
-                return status;
-        }
-    }
-    return BB_OK;
-}
-
-/* Checks the tree, and records what it is and what its builder says of it. */
-static bb_status describe_tree(bb_bench *bench, bb_entrant *entrant)
-{
-    bb_build_record *record = &entrant->record;
-    bb_instance *instance = &entrant->resident->instance;
-    BB_TRY(bb_resident_check(entrant->resident));
-    record->has_tree = true;
-    record->tree = instance->tree.info;
-    record->bytes_tree = bb_tree_bytes(&instance->tree);
-    BB_TRY(bb_instance_describe(instance, bench->scene, record->about, sizeof record->about));
-    return bb_instance_decisions(instance, bench->scene, &record->decisions);
-}
-
-static bb_status measure_tree(bb_bench *bench, bb_entrant *entrant)
-{
-    const bb_tree *tree = &entrant->resident->instance.tree;
-    BB_TRY(describe_tree(bench, entrant));
-    BB_TRY(measure_metrics(bench, entrant, tree, false));
-    BB_TRY(measure_stages(entrant));
-    return bb_bench_owns_builds(bench) ? measure_metrics(bench, entrant, tree, true) : BB_OK;
-}
-
-/* Measures a tree for whose metrics there is no room beside what its builder holds: a copy of it,
- * after the builder has gone. The tree is built again when somebody asks for it. Trees between
- * stages get no figure. */
-static bb_status measure_copy(bb_bench *bench, bb_entrant *entrant)
-{
-    bb_tree *tree = &entrant->resident->instance.tree, copy;
-    if (tree->place != BB_ON_DEVICE)
-        return BB_REFUSED; /* as was said */
-    BB_TRY(describe_tree(bench, entrant));
-    bb_tree_take_copy(tree, &copy);
-    (void)bb_resident_free_tree(entrant->resident);
-    bb_status status = measure_metrics(bench, entrant, &copy, false);
-    if (status == BB_OK && bb_bench_owns_builds(bench))
-        status = measure_metrics(bench, entrant, &copy, true);
-    bb_tree_release(&copy);
-    return status;
-}
-
 void bb_bench_note_failure(bb_entrant *entrant, bb_status status)
 {
     if (bb_interrupted())
@@ -247,57 +136,6 @@ static void finish_phases(bb_entrant *entrant)
 {
     for (uint32_t i = 0; i < entrant->record.phase_count; i++)
         entrant->record.phases[i].ms = bb_samples_median(&entrant->phase_samples[i]);
-}
-
-/* Frees the trees of all tracers if they hold what was missing. */
-static bool give_up_tracers(bb_bench *bench)
-{
-    const uint64_t missing = bb_host_missing();
-    uint64_t held = 0;
-    for (uint32_t i = 0; i < bench->entrant_count; i++)
-        if (bench->entrants[i].tracing != NULL && bench->entrants[i].tree_of == NULL)
-            held += bb_tracing_bytes(bench->entrants[i].tracing);
-    if (missing == 0 || held < missing)
-        return false;
-    for (uint32_t i = 0; i < bench->entrant_count; i++) {
-        bb_entrant *entrant = &bench->entrants[i];
-        if (entrant->tracing == NULL)
-            continue;
-        if (entrant->tree_of == NULL)
-            bb_tracing_destroy(entrant->tracing);
-        entrant->tracing = NULL;
-        entrant->record.build_ms.count = 0; /* nothing is traced with it from now on */
-        entrant->record.status = BB_REFUSED;
-        snprintf(entrant->record.reason, sizeof entrant->record.reason,
-                 "its tree made room for a builder's: compare it alone with fewer builders, or in "
-                 "a smaller scene");
-    }
-    return true;
-}
-
-bool bb_bench_give_up(void *whom)
-{
-    bb_bench *bench = whom;
-    if (!bench->asks_oracle && bench->oracle != NULL && bb_oracle_give_up(bench->oracle))
-        return true;
-    return give_up_tracers(bench);
-}
-
-static bb_status ready_oracle(bb_bench *bench, uint64_t beside)
-{
-    BB_TRY(bb_oracle_prepare(bench->oracle));
-    return bb_host_has_room(beside, "rays and answers");
-}
-
-bb_status bb_bench_ready_oracle(bb_bench *bench, uint64_t beside)
-{
-    bb_step step = bb_bench_begin(bench);
-    bench->asks_oracle = true;
-    bb_status status = ready_oracle(bench, beside);
-    while (status == BB_REFUSED && bb_residency_make_room(&bench->residency, NULL))
-        status = ready_oracle(bench, beside);
-    bench->asks_oracle = false;
-    return bb_bench_end(bench, step, "oracle: prepare", status);
 }
 
 /* After a failure the tree is gone. */
@@ -396,108 +234,6 @@ static bb_status build_once(bb_bench *bench, bb_entrant *entrant, bool exact)
                         status);
 }
 
-/* Records a layout that was just made, unless one of its name was recorded. Its time, on fresh
- * memory, does not enter the median. */
-static void record_layout(bb_bench *bench, bb_entrant *entrant, uint32_t layout)
-{
-    bb_build_record *record = &entrant->record;
-    const bb_layout_data *data = &entrant->resident->layouts[layout];
-    for (uint32_t k = 0; k < record->layout_count; k++)
-        if (strcmp(record->layouts[k].name, data->name) == 0)
-            return;
-    if (!bb_bench_owns_builds(bench))
-        return;
-    uint32_t k = record->layout_count++;
-    entrant->layouts[k] = layout;
-    snprintf(record->layouts[k].name, sizeof record->layouts[k].name, "%s", data->name);
-    record->layouts[k].bytes = data->bytes;
-    record->layouts[k].launches = (uint32_t)data->timing.launches;
-    record->layouts[k].sah =
-        isnan(data->sah) && data->keeps_shape ? sah_of_tree(entrant) : data->sah;
-    bb_samples_add(&record->layouts[k].ms, data->timing.ms);
-}
-
-/* Returns whether a cell of this entrant, kernel and intersector is to be measured. */
-static bool wants_layout(const bb_bench *bench, const bb_entrant *entrant, uint32_t kernel,
-                         uint32_t intersector)
-{
-    bb_cell_parts parts = bb_bench_cell(bench);
-    snprintf(parts.builder, sizeof parts.builder, "%s", entrant->text);
-    snprintf(parts.kernel, sizeof parts.kernel, "%s", bench->kernels[kernel].spec.text);
-    snprintf(parts.intersector, sizeof parts.intersector, "%s",
-             bench->request->intersectors[intersector]);
-    return bb_bench_wants(bench, &parts);
-}
-
-/* Makes the layouts. A refused layout is a failure of the trace, not of the build:
- * bb_bench_layout() reports it again. */
-static void make_layouts(bb_bench *bench, bb_entrant *entrant)
-{
-    for (uint32_t k = 0; k < bench->kernel_count; k++)
-        for (uint32_t i = 0;
-             bb_bench_takes(bench, entrant, k) && i < bench->request->intersector_count; i++) {
-            if (!wants_layout(bench, entrant, k, i))
-                continue;
-            uint32_t layout = bb_bench_layout_of(bench, k, &bench->intersectors[i]);
-            if (bb_bench_layout(bench, entrant, layout) == BB_OK)
-                record_layout(bench, entrant, layout);
-        }
-}
-
-static bb_status layout_again(bb_bench *bench, bb_entrant *entrant, uint32_t k)
-{
-    char what[256];
-    const uint32_t layout = entrant->layouts[k];
-    const bb_layout_data *data = &entrant->resident->layouts[layout];
-    BB_TRY(bb_bench_layout(bench, entrant, layout)); /* others may have taken its room */
-    bb_step step = bb_bench_begin(bench);
-    bb_status status = bb_resident_layout_again(&bench->residency, entrant->resident, layout);
-    if (status == BB_OK) {
-        bb_samples_add(&entrant->record.layouts[k].ms, data->timing.ms);
-        snprintf(what, sizeof what, "layout %s of %.100s by %.100s", data->name, bench->scene->name,
-                 entrant->text);
-        bb_audit_timing(&bench->outcome->audit, what, &data->timing, true);
-    }
-    return bb_bench_end(bench, step, "layouts", status);
-}
-
-/* What fails here fails the traces. */
-static bb_status take_layout_turn(void *self, uint32_t who, uint32_t round, double *ms)
-{
-    bb_bench *bench = self;
-    bb_entrant *entrant = &bench->entrants[who];
-    (void)round, (void)ms;
-    for (uint32_t k = 0; k < entrant->record.layout_count; k++)
-        if (entrant->record.status == BB_OK && !bb_interrupted())
-            (void)layout_again(bench, entrant, k);
-    return BB_OK;
-}
-
-static bb_status measure_layouts(bb_bench *bench)
-{
-    if (bench->apart)
-        return BB_OK;
-    bb_turns turns = {.device = bench->device,
-                      .random = &bench->random,
-                      .count = bench->entrant_count,
-                      .self = bench,
-                      .turn = take_layout_turn};
-    for (uint32_t round = 0; round < bench->request->repeats && !bb_interrupted(); round++)
-        BB_TRY(bb_turns_round(&turns, round));
-    return BB_OK;
-}
-
-/* Measures an entrant's layouts in one go, and frees its tree, so that no more than one stands
- * beside all layouts. */
-static void measure_layouts_apart(bb_bench *bench, bb_entrant *entrant)
-{
-    double unused;
-    const uint32_t who = (uint32_t)(entrant - bench->entrants);
-    for (uint32_t round = 0; round < bench->request->repeats && !bb_interrupted(); round++)
-        (void)take_layout_turn(bench, who, round, &unused);
-    (void)bb_resident_free_tree(entrant->resident);
-}
-
 /* Rays are traced through layouts: a tree, and all that its builder holds, has served. */
 static void free_trees(bb_bench *bench)
 {
@@ -571,30 +307,17 @@ static void make_first_trees(bb_bench *bench)
     }
 }
 
-static bb_status measure_built(bb_bench *bench, bb_entrant *entrant, bool own)
-{
-    entrant->record.transfer_ms.count = 0;
-    if (own)
-        BB_TRY(measure_transfer(bench, entrant));
-    return measure_tree(bench, entrant);
-}
-
 static bb_status finish_builder(bb_bench *bench, bb_entrant *entrant, bool own)
 {
     finish_phases(entrant);
     bb_resident *resident = entrant->resident;
     BB_TRY(bb_bench_tree(bench, entrant));
-    bb_status status = measure_built(bench, entrant, own);
-    while (status == BB_REFUSED && bb_residency_make_room(&bench->residency, resident))
-        status = measure_built(bench, entrant, own);
-    if (status == BB_REFUSED)
-        status = measure_copy(bench, entrant);
-    BB_TRY(status);
+    BB_TRY(bb_bench_measure_tree(bench, entrant, own));
     if (resident->built && resident->instance.tree.place == BB_ON_DEVICE)
         bb_tree_drop_copy(&resident->instance.tree);
-    make_layouts(bench, entrant);
+    bb_bench_make_layouts(bench, entrant);
     if (bench->apart)
-        measure_layouts_apart(bench, entrant);
+        bb_bench_measure_layouts_apart(bench, entrant);
     return BB_OK;
 }
 
@@ -644,7 +367,7 @@ bb_status bb_bench_builds(bb_bench *bench)
     }
     for (uint32_t i = 0; i < bench->entrant_count && !own && !bb_interrupted(); i++)
         forget_times(&bench->entrants[i].record);
-    BB_TRY(measure_layouts(bench));
+    BB_TRY(bb_bench_measure_layouts(bench));
     free_trees(bench);
     return BB_OK;
 }

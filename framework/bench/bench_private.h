@@ -125,6 +125,26 @@ bb_status bb_bench_scene(bb_bench *bench, const char *name);
 /* Measures the builds of all entrants, interleaved, and fills their records. */
 bb_status bb_bench_builds(bb_bench *bench);
 
+/* Records a failure, unless it failed because the run was interrupted. */
+void bb_bench_note_failure(bb_entrant *entrant, bb_status status);
+
+/* ---- trees and layouts ---- */
+
+/* Measures the tree, `own`: with its transfers (bench_measure.c). Where memory is short, others are
+ * evicted, then its own builder: the tree is built again when somebody asks for it. */
+bb_status bb_bench_measure_tree(bb_bench *bench, bb_entrant *entrant, bool own);
+
+/* Makes the layouts (bench_layouts.c). A refused layout is a failure of the trace, not of the
+ * build: bb_bench_layout() reports it again. */
+void bb_bench_make_layouts(bb_bench *bench, bb_entrant *entrant);
+/* Times them in rounds, unless they are measured apart. */
+bb_status bb_bench_measure_layouts(bb_bench *bench);
+/* Times an entrant's layouts in one go, and frees its tree, so that no more than one stands beside
+ * all layouts. */
+void bb_bench_measure_layouts_apart(bb_bench *bench, bb_entrant *entrant);
+
+/* ---- room (bench_room.c) ---- */
+
 /* For a builder that was refused memory of the host: frees what the oracle needs, until it is
  * asked, else the trees of all tracers if they hold what was missing; their rows are refused then.
  * Returns whether anything was freed. `whom` is the bench. */
@@ -133,9 +153,6 @@ bool bb_bench_give_up(void *whom);
 /* Makes sure that the oracle has all that it needs and that so many bytes fit beside it. If memory
  * is short, trees and layouts are evicted, which may have been made in the oracle's room. */
 bb_status bb_bench_ready_oracle(bb_bench *bench, uint64_t beside);
-
-/* Records a failure, unless it failed because the run was interrupted. */
-void bb_bench_note_failure(bb_entrant *entrant, bb_status status);
 
 /* ---- inputs that no builder has seen (bench_unseen.c) ---- */
 
