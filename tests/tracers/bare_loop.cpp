@@ -1,9 +1,9 @@
-// What an adapter costs: its trace() beside a loop that only calls the library, on the same rays and
-// the same tree, on one thread, by processor time, in pairs whose order alternates.
+// What an adapter costs: its trace() beside a loop that only calls the library, on the same rays
+// and the same tree, on one thread, by processor time, in pairs whose order alternates.
 //   bare_loop ADAPTER.so RAYS TRACER:key=value,...
-// RAYS is of `bvhbench rays`. Prints the median of the ratios of 30 pairs, adapter to loop, its 95 %
-// interval (ranks 10 and 21), and on how many rays they differ. tests/tracers/bare_loop.sh builds it
-// with BARE_TINYBVH or BARE_MADMANN91.
+// RAYS is of `bvhbench rays`. Prints the median of the ratios of 30 pairs, adapter to loop, its
+// 95 % interval (ranks 10 and 21), and on how many rays they differ. tests/tracers/bare_loop.sh
+// builds it, with BARE_TINYBVH or BARE_MADMANN91.
 #include "framework/builder/tracer.h"
 
 #if defined(BARE_TINYBVH)
@@ -42,7 +42,8 @@ struct Bare {
     {
         for (size_t i = 0; i < vertex_count; i++)
             vertices.push_back({v[3 * i], v[3 * i + 1], v[3 * i + 2], 0});
-        bvh.Build(tinybvh::bvhvec4slice(vertices.data(), (uint32_t)vertex_count), indices, triangles);
+        bvh.Build(tinybvh::bvhvec4slice(vertices.data(), (uint32_t)vertex_count), indices,
+                  triangles);
     }
     void trace(const bb_ray *rays, size_t count, bb_hit *hits) const
     {
@@ -68,7 +69,9 @@ struct Bare {
         std::vector<Tri<float, 3>> all;
         std::vector<BBox<float, 3>> boxes;
         std::vector<Vec<float, 3>> centres;
-        const auto at = [&](uint32_t i) { return Vec<float, 3>(v[3 * i], v[3 * i + 1], v[3 * i + 2]); };
+        const auto at = [&](uint32_t i) {
+            return Vec<float, 3>(v[3 * i], v[3 * i + 1], v[3 * i + 2]);
+        };
         for (uint32_t i = 0; i < count; i++) {
             all.push_back({at(indices[3 * i]), at(indices[3 * i + 1]), at(indices[3 * i + 2])});
             boxes.push_back(all[i].get_bbox()), centres.push_back(all[i].get_center());
@@ -109,7 +112,8 @@ int main(int argc, char **argv)
     if (argc != 4)
         fail("usage: bare_loop ADAPTER.so RAYS TRACER:key=value,...");
     void *library = dlopen(argv[1], RTLD_NOW);
-    const auto *plugin = library ? (const bb_tracer_registration *)dlsym(library, "bb_plugin") : nullptr;
+    const auto *plugin =
+        library ? (const bb_tracer_registration *)dlsym(library, "bb_plugin") : nullptr;
     if (plugin == nullptr)
         fail("the adapter does not load");
     std::ifstream file(argv[2], std::ios::binary);
