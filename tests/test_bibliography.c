@@ -46,6 +46,12 @@ static void entries_are_read(void **state)
     has(&read->entries[1], "doi", "10.1/x_(2)");
     assert_memory_equal(read->entries[1].text + read->entries[1].length - 3, ",\n}", 3);
     assert_int_equal(read_text("")->count, 0);
+    /* as databases export it */
+    read = read_text("@string{j = {Journal}}\n@comment{x}\n@PREAMBLE{\"y\"}\n"
+                     "@misc{c, author = \"M{\\\"o}ller\", title = {T}, month = jul, year = 2002}");
+    assert_int_equal(read->count, 1);
+    has(&read->entries[0], "author", "M\\\"oller");
+    has(&read->entries[0], "month", "jul");
 }
 
 #define ENTRY(key) "@misc{" key ", author = {A}, title = {T}, year = {2000}}\n"
@@ -74,7 +80,9 @@ static void faults_are_named(void **state)
     refuses("@misc{}", "no entry");
     refuses("@misc{a}", "no entry");
     refuses("@misc{a, author = {A} title = {T}, year = {2000}}", "no entry");
-    refuses("@misc{a, author = A, title = {T}, year = {2000}}", "no entry");
+    refuses("@misc{a, author = !A, title = {T}, year = {2000}}", "no entry");
+    refuses("@misc{a, author = \"A, title = {T}, year = {2000}}", "no entry");
+    refuses("@stray text\n@misc{a, author = {A}, title = {T}, year = {2000}}", "do not match");
     refuses("@misc{a, author = {A}, title = {T}, year = {2000}}}" ENTRY("b") "@misc{c", "{c");
     refuses("@misc{a, title = {T}, year = {2000}}", "a has no author");
     refuses("@misc{a, author = {A}, title = {}, year = {2000}}", "a has no title");

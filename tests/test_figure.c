@@ -1,5 +1,6 @@
 /* Figures for print: `report --figure`. */
 #include "framework/base/file.h"
+#include "framework/record/record_private.h"
 #include "framework/report/report.h"
 #include "tests/fixture.h"
 #include "tests/program_fixture.h"
@@ -90,10 +91,9 @@ static void a_failure_changes_nothing(void **state)
 {
     (void)state;
     bb_results *results = sample_results(NULL);
-    char path[700], part[800];
+    char path[700], list[900];
     size_t size;
     snprintf(path, sizeof path, "%s/kept.svg", sample_folder("figures"));
-    snprintf(part, sizeof part, "%s.part", path);
     ASSERT_OK(bb_file_write(path, "kept", 4, "figure"));
     assert_int_equal(bb_report_figure(results, "coffee_primary_x", 84, path), BB_INVALID);
     assert_non_null(strstr(bb_message(), "SET one of coffee_primary, "));
@@ -107,8 +107,50 @@ static void a_failure_changes_nothing(void **state)
     assert_int_equal(size, 4);
     assert_memory_equal(data, "kept", 4);
     free(data);
-    assert_int_equal(access(part, F_OK), -1);
+    snprintf(list, sizeof list, "test -z \"$(find '%s' -name 'kept.svg.*')\"",
+             sample_folder("figures"));
+    assert_int_equal(system(list), 0);
     bb_results_destroy(results);
+}
+
+/* The results with a builder whose name is a command to whoever does not quote it. */
+static bool rename_builders(void *unused, const bb_table *to, const bb_table *from, uint32_t row,
+                            bb_target *target)
+{
+    static char builder[200];
+    const char **names = target->cell.names;
+    (void)unused, (void)to, (void)from, (void)row;
+    if (names[BB_BUILDER] == NULL || strncmp(names[BB_BUILDER], "sah", 3) != 0)
+        return true;
+    snprintf(builder, sizeof builder, "x'.system('touch ran').'`touch ran`\n!touch ran\n$a\\");
+    names[BB_BUILDER] = builder;
+    return true;
+}
+
+/* Neither names from a file nor the name of the figure are commands, or other files. */
+static void names_are_no_commands(void **state)
+{
+    (void)state;
+    static const char *const kinds[] = {"accuracy", "builders", "time", "sah"};
+    if (!bb_report_can_draw())
+        skip();
+    bb_results *results = sample_results(NULL), *renamed = NULL;
+    ASSERT_OK(bb_results_make(&renamed));
+    ASSERT_OK(bb_results_copy(renamed, results, rename_builders, NULL));
+    bb_results_destroy(results);
+    char ran[700], here[] = "ran";
+    snprintf(ran, sizeof ran, "%s/ran", sample_folder("figures"));
+    unlink(ran), unlink(here);
+    for (size_t k = 0; k < sizeof kinds / sizeof kinds[0]; k++) {
+        char figure[64];
+        size_t size;
+        snprintf(figure, sizeof figure, "coffee_primary_%s", kinds[k]);
+        free(contents(draw(renamed, figure, 84, "|touch ran;'\n\xe9.svg"), &size));
+        assert_true(size > 2000);
+    }
+    assert_int_equal(access(ran, F_OK), -1);
+    assert_int_equal(access(here, F_OK), -1);
+    bb_results_destroy(renamed);
 }
 
 static void bad_requests_are_refused(void **state)
@@ -139,9 +181,8 @@ static void bad_requests_are_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_figure_is_for_print),
-        cmocka_unit_test(every_chart_can_be_a_figure),
-        cmocka_unit_test(a_failure_changes_nothing),
+        cmocka_unit_test(a_figure_is_for_print),     cmocka_unit_test(every_chart_can_be_a_figure),
+        cmocka_unit_test(a_failure_changes_nothing), cmocka_unit_test(names_are_no_commands),
         cmocka_unit_test(bad_requests_are_refused),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);

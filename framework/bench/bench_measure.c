@@ -105,6 +105,7 @@ static bb_status measure_copy(bb_bench *bench, bb_entrant *entrant)
     bb_tree *tree = &entrant->resident->instance.tree, copy;
     if (tree->place != BB_ON_DEVICE)
         return BB_REFUSED; /* as was said */
+    entrant->record.transfer_ms.count = 0;
     BB_TRY(describe_tree(bench, entrant));
     bb_tree_take_copy(tree, &copy);
     (void)bb_resident_free_tree(entrant->resident);
@@ -112,6 +113,8 @@ static bb_status measure_copy(bb_bench *bench, bb_entrant *entrant)
     if (status == BB_OK && bb_bench_owns_builds(bench))
         status = measure_metrics(bench, entrant, &copy, true);
     bb_tree_release(&copy);
+    if (entrant->record.step_count > 0)
+        entrant->record.steps[entrant->record.step_count - 1].sah = sah_of_tree(entrant);
     return status;
 }
 

@@ -145,9 +145,9 @@ void bb_bench_measure_layouts_apart(bb_bench *bench, bb_entrant *entrant);
 
 /* ---- room (bench_room.c) ---- */
 
-/* For a builder that was refused memory of the host: frees what the oracle needs, until it is
- * asked, else the trees of all tracers if they hold what was missing; their rows are refused then.
- * Returns whether anything was freed. `whom` is the bench. */
+/* For a builder, or the oracle, that was refused memory of the host: frees what the oracle needs,
+ * until it is asked, else the trees of all tracers if they hold what was missing; their rows are
+ * refused then. Returns whether anything was freed. `whom` is the bench. */
 bool bb_bench_give_up(void *whom);
 
 /* Makes sure that the oracle has all that it needs and that so many bytes fit beside it. If memory

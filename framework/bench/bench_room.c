@@ -23,8 +23,9 @@ static bool give_up_tracers(bb_bench *bench)
         entrant->record.build_ms.count = 0; /* nothing is traced with it from now on */
         entrant->record.status = BB_REFUSED;
         snprintf(entrant->record.reason, sizeof entrant->record.reason,
-                 "its tree made room for a builder's: compare it alone with fewer builders, or in "
-                 "a smaller scene");
+                 "its tree made room for %s: compare it alone with fewer builders, or in a smaller "
+                 "scene",
+                 bench->asks_oracle ? "the oracle" : "a builder's");
     }
     return true;
 }
@@ -47,6 +48,7 @@ bb_status bb_bench_ready_oracle(bb_bench *bench, uint64_t beside)
 {
     bb_step step = bb_bench_begin(bench);
     bench->asks_oracle = true;
+    (void)bb_host_missing(); /* what others lacked is no reason to give up anything for it */
     bb_status status = ready_oracle(bench, beside);
     while (status == BB_REFUSED && bb_residency_make_room(&bench->residency, NULL))
         status = ready_oracle(bench, beside);

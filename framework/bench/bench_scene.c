@@ -158,6 +158,15 @@ static bb_status record_builds(bb_bench *bench)
     return BB_OK;
 }
 
+/* Leaves a set of rays out, with the reason that was given. */
+static bb_status skip_rays(bb_bench *bench, const bb_spec *spec, const bb_view *view)
+{
+    bb_progress_note(bench->progress, "%s: %s skipped: %s", bench->scene->name, spec->text,
+                     bb_message());
+    return bb_results_add_skipped(bench->results, bench->scene->name, spec->text,
+                                  view != NULL ? view->name : "", bb_message());
+}
+
 static bb_status make_and_trace(bb_bench *bench, const bb_spec *spec, const bb_view *view)
 {
     const bb_bench_request *request = bench->request;
@@ -167,12 +176,8 @@ static bb_status make_and_trace(bb_bench *bench, const bb_spec *spec, const bb_v
     bb_step step = bb_bench_begin(bench);
     bb_status status = bb_rays_make(bench->scene, bench->oracle, &wanted, &rays);
     status = bb_bench_end(bench, step, "make rays", status);
-    if (status == BB_UNSUPPORTED) {
-        bb_progress_note(bench->progress, "%s: %s skipped: %s", bench->scene->name, spec->text,
-                         bb_message());
-        return bb_results_add_skipped(bench->results, bench->scene->name, spec->text,
-                                      view != NULL ? view->name : "", bb_message());
-    }
+    if (status == BB_UNSUPPORTED)
+        return skip_rays(bench, spec, view);
     if (status == BB_OK)
         status = bb_bench_traces(bench, rays);
     if (status == BB_OK)
@@ -190,9 +195,10 @@ static bb_status trace_rays(bb_bench *bench, const bb_spec *spec, const bb_view 
         return BB_OK;
     bench->traced_sets++;
     bb_host_unbook(bench->kept_for_rays);
-    /* without room, what makes rays says so */
-    (void)bb_bench_ready_oracle(bench, bench->kept_for_rays);
-    const bb_status status = make_and_trace(bench, spec, view);
+    bb_status status = bb_bench_ready_oracle(bench, bench->kept_for_rays);
+    status = status == BB_REFUSED ? skip_rays(bench, spec, view)
+             : status == BB_OK    ? make_and_trace(bench, spec, view)
+                                  : status;
     bb_host_book(bench->kept_for_rays);
     return status;
 }

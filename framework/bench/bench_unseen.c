@@ -55,30 +55,64 @@ static bb_status check_tree(bb_instance *instance, const bb_scene *scene)
     return bb_tree_check(&instance->tree, scene);
 }
 
-/* Builds the tree, and checks a copy of it after the builder has gone: in its room. */
-static bb_status build_and_part(bb_bench *bench, bb_resident *resident, bb_build_timing *timing)
+/* Disguises the scene, if it can be. */
+static bb_status put_on(bb_bench *bench, bool *disguised)
 {
-    bb_tree *tree = &resident->instance.tree, copy;
-    BB_TRY(bb_resident_build(&bench->residency, resident, false, timing));
-    if (tree->place != BB_ON_DEVICE)
-        return check_tree(&resident->instance, bench->scene);
-    BB_TRY(bb_tree_download(tree, NULL));
-    bb_tree_take_copy(tree, &copy);
-    (void)bb_resident_free_tree(resident);
-    const bb_status status = bb_tree_check(&copy, bench->scene);
-    bb_tree_release(&copy);
-    return status;
+    const bb_status status = bb_disguise_put_on(&bench->disguise, &bench->unseen, bench->scene);
+    *disguised = status == BB_OK;
+    if (status != BB_UNSUPPORTED && status != BB_REFUSED)
+        return status;
+    bb_progress_note(bench->progress, "%s: no builder is tried on an input it has not seen: %s",
+                     bench->scene->name, bb_message());
+    return bb_disguise_take_off(&bench->disguise, bench->scene);
 }
 
+/* Builds the tree, and checks it at once or, for lack of room, a copy of it after the builder has
+ * gone. */
+static bb_status build_and_check(bb_bench *bench, bb_resident *resident, bool at_once,
+                                 bb_build_timing *timing)
+{
+    bb_instance *instance = &resident->instance;
+    bb_tree copy;
+    instance->check_at_once = at_once;
+    const bb_status status = bb_resident_build_once(resident, timing);
+    instance->check_at_once = false;
+    BB_TRY(status);
+    if (at_once && !bb_is_splitter(instance->stages[0].builder))
+        return BB_OK;
+    if (at_once || instance->tree.place != BB_ON_DEVICE)
+        return check_tree(instance, bench->scene);
+    BB_TRY(bb_tree_download(&instance->tree, NULL));
+    bb_tree_take_copy(&instance->tree, &copy);
+    (void)bb_resident_free_tree(resident);
+    const bb_status checked = bb_tree_check(&copy, bench->scene);
+    bb_tree_release(&copy);
+    return checked;
+}
+
+/* Another disguise, of which the builder knows nothing, while its memory is warm. */
+static bb_status disguise_anew(bb_bench *bench, bb_entrant *entrant)
+{
+    bool disguised;
+    BB_TRY(bb_disguise_take_off(&bench->disguise, bench->scene));
+    BB_TRY(bb_bench_tree(bench, entrant));
+    BB_TRY(put_on(bench, &disguised));
+    return disguised ? BB_OK : bb_fail(BB_REFUSED, "%s", bb_message());
+}
+
+/* Whoever is refused memory gets more, and an input that it has not seen, since it has seen this
+ * one. */
 static bb_status build_tree(bb_bench *bench, bb_entrant *entrant, bb_build_timing *timing)
 {
-    bb_instance *instance = &entrant->resident->instance;
-    instance->check_at_once = true;
-    bb_status status = bb_resident_build(&bench->residency, entrant->resident, false, timing);
-    instance->check_at_once = false;
-    if (status == BB_OK && bb_is_splitter(instance->stages[0].builder)) /* not checked at once */
-        status = check_tree(instance, bench->scene);
-    return status == BB_REFUSED ? build_and_part(bench, entrant->resident, timing) : status;
+    bb_resident *resident = entrant->resident;
+    bool at_once = true;
+    bb_status status = build_and_check(bench, resident, at_once, timing);
+    while (status == BB_REFUSED && at_once) {
+        at_once = bb_residency_make_room(&bench->residency, resident);
+        BB_TRY(disguise_anew(bench, entrant));
+        status = build_and_check(bench, resident, at_once, timing);
+    }
+    return status;
 }
 
 /* Builds the tree of the disguised scene, which must hold for it: a tracer's next build tells. */
@@ -96,18 +130,6 @@ static bb_status build_disguised(bb_bench *bench, bb_entrant *entrant)
         return status;
     return bb_fail(BB_FAILED, "its build of the scene %s, which it had not seen: %s",
                    looks_like(bench, looks), bb_message());
-}
-
-/* Disguises the scene, if it can be. */
-static bb_status put_on(bb_bench *bench, bool *disguised)
-{
-    const bb_status status = bb_disguise_put_on(&bench->disguise, &bench->unseen, bench->scene);
-    *disguised = status == BB_OK;
-    if (status != BB_UNSUPPORTED && status != BB_REFUSED)
-        return status;
-    bb_progress_note(bench->progress, "%s: no builder is tried on an input it has not seen: %s",
-                     bench->scene->name, bb_message());
-    return bb_disguise_take_off(&bench->disguise, bench->scene);
 }
 
 /* Builds an entrant's tree of a disguised scene. A tree that was evicted is built before,

@@ -130,6 +130,15 @@ bb_status bb_resident_tree(bb_residency *all, bb_resident *resident)
     return BB_OK;
 }
 
+bb_status bb_resident_build_once(bb_resident *resident, bb_build_timing *timing)
+{
+    begin_attempt();
+    const bb_status status = bb_instance_build(&resident->instance, resident->scene, false, timing);
+    if (status != BB_OK)
+        bb_resident_evict(resident);
+    return status;
+}
+
 bb_status bb_resident_build(bb_residency *all, bb_resident *resident, bool exact,
                             bb_build_timing *timing)
 {

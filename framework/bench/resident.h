@@ -73,6 +73,10 @@ bb_status bb_resident_tree(bb_residency *all, bb_resident *resident);
 bb_status bb_resident_build(bb_residency *all, bb_resident *resident, bool exact,
                             bb_build_timing *timing);
 
+/* The same of a tree that exists, without another attempt: what is built in a second one is not new
+ * to the builder. */
+bb_status bb_resident_build_once(bb_resident *resident, bb_build_timing *timing);
+
 /* Makes sure that a tree that exists is on the device, as bb_tree_upload() does. If it does not fit
  * beside the others, they are evicted. */
 bb_status bb_resident_upload(bb_residency *all, bb_resident *resident, double *ms);

@@ -30,12 +30,26 @@ typedef struct span {
     size_t length;
 } span;
 
-/* Reads NAME = {VALUE}, "VALUE" or NUMBER and a comma, if any. Returns what follows; NULL: it is
- * none of these. */
+#define LETTERS "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+
+/* Returns the quote that ends the string at `at`, beyond those in braces; NULL: the text ends
+ * before. */
+static const char *end_of_quoted(const char *at)
+{
+    for (at++; *at != '\0' && *at != '"';) {
+        at = *at == '{' ? skip_braces(at) : at + 1;
+        if (at == NULL)
+            return NULL;
+    }
+    return *at == '"' ? at : NULL;
+}
+
+/* Reads NAME = {VALUE}, "VALUE", NUMBER or WORD, such as a month, and a comma, if any. Returns what
+ * follows; NULL: it is none of these. */
 static const char *read_field(const char *at, span *name, span *value)
 {
     at = skip_blanks(at);
-    *name = (span){at, strspn(at, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ-_")};
+    *name = (span){at, strspn(at, LETTERS "-_")};
     at = skip_blanks(at + name->length);
     if (name->length == 0 || *at != '=')
         return NULL;
@@ -47,13 +61,13 @@ static const char *read_field(const char *at, span *name, span *value)
         *value = (span){at + 1, (size_t)(end - at) - 2};
         at = end;
     } else if (*at == '"') {
-        const char *end = strchr(at + 1, '"');
+        const char *end = end_of_quoted(at);
         if (end == NULL)
             return NULL;
         *value = (span){at + 1, (size_t)(end - at) - 1};
         at = end + 1;
     } else {
-        *value = (span){at, strspn(at, "0123456789")};
+        *value = (span){at, strspn(at, LETTERS "0123456789-_")};
         if (value->length == 0)
             return NULL;
         at += value->length;
@@ -146,6 +160,16 @@ static bb_status add_entry(bb_bibliography *bibliography, const char *file,
     return BB_OK;
 }
 
+/* What begins like an entry and is none. */
+static bool is_other_command(const char *type, size_t length)
+{
+    static const char *const others[] = {"comment", "preamble", "string"};
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+        if (strlen(others[i]) == length && strncasecmp(type, others[i], length) == 0)
+            return true;
+    return false;
+}
+
 static bb_status add_text(bb_bibliography *bibliography, const char *file, const char *text,
                           int depth)
 {
@@ -154,11 +178,14 @@ static bb_status add_text(bb_bibliography *bibliography, const char *file, const
         return bb_fail(BB_INVALID, "%s: it includes itself, or files %d deep", file, INCLUDES_MAX);
     for (const char *at = skip_blanks(text); *at != '\0'; at = skip_blanks(at)) {
         if (*at == '@') {
-            const char *open = strchr(at, '{'), *end = open != NULL ? skip_braces(open) : NULL;
+            const size_t type = strspn(at + 1, LETTERS);
+            const char *open = skip_blanks(at + 1 + type);
+            const char *end = *open == '{' ? skip_braces(open) : NULL;
             if (end == NULL)
                 return bb_fail(BB_INVALID, "%s: braces do not match in '%.40s'", file, at);
             const bb_citation citation = {at, (size_t)(end - at)};
-            BB_TRY(add_entry(bibliography, file, &citation));
+            if (!is_other_command(at + 1, type))
+                BB_TRY(add_entry(bibliography, file, &citation));
             at = end;
             continue;
         }

@@ -81,7 +81,8 @@ bb_status bb_list_add_method(bb_list *list, const char *name, const char *summar
                              const char *paper, const bb_option *declared, const char *file)
 {
     bb_bibliography own = {.count = 0};
-    BB_TRY(bb_bibliography_add(list->papers != NULL ? list->papers : &own, file));
+    if (list->papers != NULL || list->json != NULL)
+        BB_TRY(bb_bibliography_add(list->papers != NULL ? list->papers : &own, file));
     add(list, name, summary, paper, declared, &own);
     return BB_OK;
 }

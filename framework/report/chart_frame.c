@@ -43,6 +43,12 @@ static double along(const bb_chart_axis *a, double value)
                   : (value - a->low) / (a->high - a->low);
 }
 
+static bool is_as_given(const bb_plot *p)
+{
+    return p->set->cell_count > 0 &&
+           strcmp(bb_get_text(p->set->cells[0].trace, BB_F_TRACE_RAYS_SOURCE), "as given") == 0;
+}
+
 /* Writes the terminal and the title for the screen. */
 static void begin_on_screen(bb_plot *p, const bb_chart_frame *f)
 {
@@ -56,11 +62,11 @@ static void begin_on_screen(bb_plot *p, const bb_chart_frame *f)
     bb_plot_quoted(out, p->set->scene);
     fputs(", ", out);
     bb_plot_quoted(out, p->set->rays);
-    if (p->set->cell_count > 0 &&
-        strcmp(bb_get_text(p->set->cells[0].trace, BB_F_TRACE_RAYS_SOURCE), "as given") == 0)
+    if (is_as_given(p))
         fputs(" (rays as given)", out);
     /* only the line break is in double quotes, which would expand names */
-    fprintf(out, ": %s'.\"\\n%s", f->title, f->subtitle);
+    fprintf(out, ": %s'.\"\\n%s%s%s", f->title, f->subtitle, f->marks != NULL ? "\\n" : "",
+            f->marks != NULL ? f->marks : "");
     if (f->left_out > 0)
         fprintf(out, "\\nnot drawn, since not checked or without a result in a view: %u cells",
                 f->left_out);
@@ -104,7 +110,7 @@ static void begin_in_print(bb_plot *p, const bb_chart_frame *f)
 {
     enum { SVG_PER_INCH = 96, PNG_PER_INCH = 600 };
     const uint32_t columns = columns_of(p);
-    const double rows = ceil((f->entries + 1.0) / columns);
+    const double rows = ceil((f->entries + 3.0) / columns);
     const double wide = width_of(p), high = height_of(p) + 1.5 * PRINT_POINTS * rows;
     const char *file = p->figure->file, *format = strrchr(file, '.');
     FILE *out = p->out;
@@ -124,9 +130,9 @@ static void begin_in_print(bb_plot *p, const bb_chart_frame *f)
                 "%.4f linewidth %.4f pointscale %.4f\n",
                 wide / 72 * PNG_PER_INCH, high / 72 * PNG_PER_INCH, PRINT_POINTS,
                 PNG_PER_INCH / 96.0, PNG_PER_INCH / 128.0, 0.5 * PNG_PER_INCH / 96.0);
-    fputs("set output '", out);
-    bb_plot_quoted(out, file);
-    fprintf(out, "'\nset key below left Left reverse vertical samplen 1.5 maxcols %u\n", columns);
+    fprintf(out,
+            "set output '%s'\nset key below left Left reverse vertical samplen 1.5 maxcols %u\n",
+            file, columns);
     fputs("set grid back lc rgb '#c8c8c8' lt 1 lw 0.5\nset border 3\nset tics nomirror\n"
           "set xlabel offset 0,1\nset xtics offset 0,0.4\nset pointsize 0.6\n",
           out);
@@ -152,18 +158,31 @@ void bb_plot_begin(bb_plot *p, const bb_chart_frame *f)
             f->y.log ? "set logscale y\nset format y '%.0s%c'\n" : "");
 }
 
+/* Writes what titles say on the screen as entries of the legend. */
+static void end_in_print(const bb_plot *p, const bb_chart_frame *f)
+{
+    if (f->marks != NULL)
+        fprintf(p->out, ", \\\n NaN with points pt 0 title '%s'", f->marks);
+    if (f->left_out > 0)
+        fprintf(p->out, ", \\\n NaN with points pt 0 title 'not drawn: %u cells'", f->left_out);
+    if (is_as_given(p))
+        fputs(", \\\n NaN with points pt 0 title 'rays as given'", p->out);
+    fputs("\nunset output\n", p->out);
+}
+
 void bb_plot_end(bb_plot *p, const bb_chart_frame *f)
 {
-    fputc('\n', p->out);
-    if (p->figure == NULL)
-        fprintf(p->out,
-                "set terminal pngcairo noenhanced size 1440,1.5*height fontscale 1.5 linewidth 1.5 "
-                "pointscale 2.4 font 'sans-serif,13' background '#ffffff'\nset output "
-                "'%s_%s.png'\nreplot\n",
-                p->stem, f->kind);
-    else
-        fputs("unset output\n", p->out);
     p->pictures += p->out == p->script;
+    if (p->figure != NULL) {
+        end_in_print(p, f);
+        return;
+    }
+    fputc('\n', p->out);
+    fprintf(p->out,
+            "set terminal pngcairo noenhanced size 1440,1.5*height fontscale 1.5 linewidth 1.5 "
+            "pointscale 2.4 font 'sans-serif,13' background '#ffffff'\nset output "
+            "'%s_%s.png'\nreplot\n",
+            p->stem, f->kind);
 }
 
 /* ---- room for keys ---- */

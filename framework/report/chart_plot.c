@@ -47,51 +47,55 @@ void bb_series_add(bb_series *list, const bb_chart_cell *cell)
         list->cells[list->count++] = cell;
 }
 
-unsigned bb_plot_colour(const bb_plot *p, uint32_t series)
+unsigned bb_plot_colour(const bb_plot *p, uint32_t series, uint32_t looks)
 {
-    return p->figure == NULL ? colours[series % COLOURS] : greys[series / SHAPES % GREYS];
+    return p->figure == NULL ? colours[series % COLOURS] : greys[series / looks % GREYS];
 }
 
-/* Writes the values of a specification without their keys: "embree-native:high,fast". */
-static void drop_keys(char *name)
+enum { NAME_BYTES = 600 };
+
+/* Writes a specification, such as "lbvh:bits=63+rotate", without options, or with their values
+ * alone: "lbvh:63+rotate". */
+static void shorten(const char *text, bool values, char name[NAME_BYTES])
 {
-    char *to = name + strcspn(name, ":"), *from = to;
-    while (*from != '\0') {
-        const char *end = from + 1 + strcspn(from + 1, ",");
-        const char *equals = memchr(from, '=', (size_t)(end - from));
-        *to++ = *from++;
-        from = equals != NULL ? (char *)equals + 1 : from;
-        while (from < end)
-            *to++ = *from++;
+    size_t used = 0;
+    bool in_options = false, in_key = false;
+    for (; *text != '\0' && used + 1 < NAME_BYTES; text++) {
+        in_options = *text == ':' || (in_options && *text != '+');
+        in_key = in_options && (*text == ':' || *text == ',' || (in_key && *text != '='));
+        const bool kept = *text == ':' || *text == ',' || (!in_key && *text != '=');
+        if (!in_options || (values && kept))
+            name[used++] = *text;
     }
-    *to = '\0';
+    name[used] = '\0';
 }
 
 /* Writes what a series is called in print: without options, or if another series has the same name
- * then, without their keys. */
+ * then, with their values. */
 static void series_name(const bb_plot *p, const bb_series *list, const bb_chart_cell *cell,
-                        char *name, size_t capacity)
+                        char key[BB_PLOT_KEY])
 {
     const bb_field_id field = list == &p->kernels ? BB_F_TRACE_KERNEL : BB_F_TRACE_BUILDER;
-    const char *text = bb_get_text(cell->trace, field);
-    const size_t brief = strcspn(text, ":");
+    char name[NAME_BYTES], other[NAME_BYTES], run[24] = "";
     bool alone = true;
-    for (uint32_t i = 0; i < list->count; i++) {
-        const char *other = bb_get_text(list->cells[i]->trace, field);
-        alone = alone && (list->same(list->cells[i], cell) || strcspn(other, ":") != brief ||
-                          strncmp(other, text, brief) != 0);
+    shorten(bb_get_text(cell->trace, field), false, name);
+    for (uint32_t i = 0; i < list->count && alone; i++) {
+        shorten(bb_get_text(list->cells[i]->trace, field), false, other);
+        alone = list->same(list->cells[i], cell) || strcmp(name, other) != 0;
     }
-    snprintf(name, capacity, "%.*s", alone ? (int)brief : (int)capacity, text);
-    drop_keys(name);
-    const size_t used = strlen(name);
+    if (!alone)
+        shorten(bb_get_text(cell->trace, field), true, name);
     if (p->several_runs && list != &p->kernels)
-        snprintf(name + used, capacity - used, " (run %.0f)", bb_chart_run(cell) + 1);
+        snprintf(run, sizeof run, " (run %.0f)", bb_chart_run(cell) + 1);
+    const int room = (int)(BB_PLOT_KEY - 1 - strlen(run));
+    const bool fits = (int)strlen(name) <= room;
+    snprintf(key, BB_PLOT_KEY, "%.*s%s%s", fits ? room : room - 3, name, fits ? "" : "...", run);
 }
 
 void bb_plot_kernel_key(const bb_plot *p, const bb_chart_cell *cell, char key[BB_PLOT_KEY])
 {
     if (p->figure != NULL) {
-        series_name(p, &p->kernels, cell, key, BB_PLOT_KEY);
+        series_name(p, &p->kernels, cell, key);
         return;
     }
     char reversed[BB_PLOT_KEY];
@@ -107,7 +111,7 @@ void bb_plot_builder_key(const bb_plot *p, const bb_chart_cell *cell, char key[B
 {
     const bb_series *list = cell->reference ? &p->references : &p->builders;
     if (p->figure != NULL)
-        series_name(p, list, cell, key, BB_PLOT_KEY);
+        series_name(p, list, cell, key);
     else
         snprintf(key, BB_PLOT_KEY, "%s%u", cell->reference ? "R" : "",
                  bb_series_find(list, cell) + 1);
@@ -119,11 +123,16 @@ static bool shapes_are_series(const bb_plot *p)
     return p->figure != NULL && p->intersectors.count <= 1;
 }
 
+static unsigned colour_of(const bb_plot *p, uint32_t series)
+{
+    return bb_plot_colour(p, series, shapes_are_series(p) ? SHAPES : 1);
+}
+
 void bb_plot_look(const bb_plot *p, const bb_series *list, bb_mark *mark)
 {
     const bb_chart_cell *cell = mark->cell;
     const uint32_t series = bb_series_find(list, cell);
-    mark->colour = cell->reference ? BB_PLOT_BLACK : bb_plot_colour(p, series);
+    mark->colour = cell->reference ? BB_PLOT_BLACK : colour_of(p, series);
     if (cell->reference) {
         mark->shape = BB_PLOT_CROSS;
         return;
@@ -237,8 +246,9 @@ void bb_plot_marks(FILE *out, const bb_mark *marks, uint32_t count, bool front)
 
 static void legend_entry(FILE *out, unsigned colour, int shape, const char *key, const char *name)
 {
-    fprintf(out, ", \\\n NaN with points pt %d lc rgb '#%06x' title '%s%s", shape, colour, key,
-            key[0] != '\0' ? "  " : "");
+    fprintf(out, ", \\\n NaN with points pt %d lc rgb '#%06x' title '", shape, colour);
+    bb_plot_quoted(out, key);
+    fputs(key[0] != '\0' ? "  " : "", out);
     bb_plot_quoted(out, name);
     fputc('\'', out);
 }
@@ -261,7 +271,7 @@ static void legend_series(const bb_plot *p, const bb_series *list, uint32_t seri
                       : !coloured && list == &p->kernels ? 0
                       : shapes_are_series(p)             ? filled[series % SHAPES]
                                                          : 5;
-    legend_entry(p->out, coloured ? bb_plot_colour(p, series) : BB_PLOT_BLACK, shape,
+    legend_entry(p->out, coloured ? colour_of(p, series) : BB_PLOT_BLACK, shape,
                  p->figure == NULL ? key : "", name);
 }
 

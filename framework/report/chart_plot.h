@@ -64,8 +64,8 @@ typedef struct bb_plot {
     const bb_chart_cell **cells;
 } bb_plot;
 
-/* In print the same grey for each six series, whose shapes differ. */
-unsigned bb_plot_colour(const bb_plot *p, uint32_t series);
+/* In print there are three greys, and `looks` series that differ otherwise have the same. */
+unsigned bb_plot_colour(const bb_plot *p, uint32_t series, uint32_t looks);
 /* Kernels A, B ... Z, AA ...; builders 1, 2 ...; references R1, R2 ...; in print their names. */
 void bb_plot_kernel_key(const bb_plot *p, const bb_chart_cell *cell, char key[BB_PLOT_KEY]);
 void bb_plot_builder_key(const bb_plot *p, const bb_chart_cell *cell, char key[BB_PLOT_KEY]);
@@ -99,6 +99,8 @@ void bb_axis_round(bb_chart_axis *axis);
 typedef struct bb_chart_frame {
     const char *kind; /* part of the file's name */
     const char *title, *subtitle, *x_title, *y_title;
+    const char
+        *marks; /* what they mean, if the legend's other entries do not say it; NULL: they do */
     bb_chart_axis x, y; /* rounded */
     uint32_t entries;   /* approximate number of legend entries */
     uint32_t left_out;  /* number of cells that are not drawn; the picture shows it */

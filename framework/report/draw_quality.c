@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 /* "1A": builder and kernel. In print, where marks have looks by kernel, the builder. */
 static void set_key(const bb_plot *p, bb_mark *mark)
@@ -10,7 +11,10 @@ static void set_key(const bb_plot *p, bb_mark *mark)
     char builder[BB_PLOT_KEY], kernel[BB_PLOT_KEY];
     bb_plot_builder_key(p, mark->cell, builder);
     bb_plot_kernel_key(p, mark->cell, kernel);
-    snprintf(mark->key, BB_PLOT_KEY, "%.40s%.7s", builder, p->figure == NULL ? kernel : "");
+    if (p->figure == NULL)
+        snprintf(mark->key, BB_PLOT_KEY, "%.40s%.7s", builder, kernel);
+    else
+        memcpy(mark->key, builder, BB_PLOT_KEY);
 }
 
 static void draw_metric(bb_plot *p, bb_chart_frame *f, uint32_t metric)

@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-enum { SAMPLES = 200 };
+enum { SAMPLES = 200, DASHES = 5 };
 
 /* Collects the cells of one builder (NULL: of all but references) that are within the limit of
  * wrong answers and whose times are known, with their lines. */
@@ -111,10 +111,11 @@ static void plot_curve(const bb_plot *p, const bb_chart_cell *builder, uint32_t 
     bb_plot_builder_key(p, builder, key);
     if (p->figure == NULL)
         bb_chart_builder_name(builder, p->several_runs, name, sizeof name);
-    fprintf(p->out, ", \\\n $t%u using 1:2 with lines lw %d dt %u lc rgb '#%06x' title '%s%s",
-            block, builder->reference ? 1 : 2, block % 5 + 1,
-            builder->reference ? BB_PLOT_BLACK : bb_plot_colour(p, block), key,
-            p->figure == NULL ? "  " : "");
+    fprintf(p->out, ", \\\n $t%u using 1:2 with lines lw %d dt %u lc rgb '#%06x' title '", block,
+            builder->reference ? 1 : 2, block % DASHES + 1,
+            builder->reference ? BB_PLOT_BLACK : bb_plot_colour(p, block, DASHES));
+    bb_plot_quoted(p->out, key);
+    fputs(p->figure == NULL ? "  " : "", p->out);
     bb_plot_quoted(p->out, name);
     fputc('\'', p->out);
 }

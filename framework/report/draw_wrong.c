@@ -104,7 +104,7 @@ static void set_mark(bb_mark *mark, const bb_chart_cell *cell)
 }
 
 static const char wrong_title[] = "wrong rays per million (log scale)";
-#define WRONG_LINES "\\nlines across: 95 %; hollow with arrow: none found of n, at most 3/n"
+#define WRONG_MARKS "lines across: 95 %; hollow with arrow: none found of n, at most 3/n"
 
 /* Colours the marks by builder or kernel, and sets the x axis. */
 static void finish_marks(bb_plot *p, uint32_t count, bb_series *series, bb_chart_axis *x)
@@ -143,7 +143,8 @@ static void draw_accuracy(bb_plot *p)
     bb_chart_frame f = {
         .kind = "accuracy",
         .title = "speed against wrong answers",
-        .subtitle = "each kernel and intersector on the tree that it traces fastest" WRONG_LINES,
+        .subtitle = "each kernel and intersector on the tree that it traces fastest",
+        .marks = WRONG_MARKS,
         .x_title = wrong_title,
         .y_title = "Mrays/s",
         .y = bb_axis_make(false),
@@ -167,7 +168,8 @@ static void draw_builders(bb_plot *p)
     bb_chart_frame f = {
         .kind = "builders",
         .title = "time against wrong answers",
-        .subtitle = "build, layout and all rays once, with the kernel fastest in this" WRONG_LINES,
+        .subtitle = "build, layout and all rays once, with the kernel fastest in this",
+        .marks = WRONG_MARKS,
         .x_title = wrong_title,
         .y_title = "ms (log scale)",
         .y = bb_axis_make(true),

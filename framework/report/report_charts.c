@@ -53,21 +53,19 @@ static bb_status empty_folder(const char *from, const char *to)
     return status;
 }
 
-/* Writes the script and draws in the folder `part`, whose files move to `folder` when all are
- * complete; with `pictures_only`, the script does not. A failure keeps what `folder` has. */
-static bb_status draw_beside(const char *folder, const char *part, const char *script,
-                             bool pictures_only, bool any)
+/* Writes the script and draws in a temporary folder, and moves its files when all are complete. A
+ * failure keeps the earlier charts. */
+static bb_status draw_beside(const char *folder, const char *script, bool any)
 {
-    char path[PATH_MAX];
-    if (snprintf(path, sizeof path, "%s/%s", part, bb_gnuplot_script) >= (int)sizeof path)
+    char part[PATH_MAX], path[PATH_MAX];
+    if (snprintf(part, sizeof part, "%s.part", folder) >= (int)sizeof part ||
+        snprintf(path, sizeof path, "%s/%s", part, bb_gnuplot_script) >= (int)sizeof path)
         return bb_fail(BB_INVALID, "%s: the path is too long", folder);
     if (mkdir(part, 0777) != 0 && errno != EEXIST)
         return bb_fail(BB_INVALID, "charts: cannot make %s: %s", part, strerror(errno));
     bb_status status = bb_file_write(path, script, strlen(script), "charts");
     if (status == BB_OK && any)
         status = bb_gnuplot_draw(part);
-    if (status == BB_OK && pictures_only)
-        remove(path);
     if (status == BB_OK)
         status = empty_folder(part, folder);
     if (status == BB_OK)
@@ -101,32 +99,51 @@ static bb_status make_script(bb_results *results, const bb_chart_print *figure, 
 
 bb_status bb_report_charts(bb_results *results, const char *folder, uint32_t *pictures)
 {
-    char *script, part[PATH_MAX];
+    char *script;
     *pictures = 0;
-    if (snprintf(part, sizeof part, "%s.part", folder) >= (int)sizeof part)
-        return bb_fail(BB_INVALID, "%s: the path is too long", folder);
     if (mkdir(folder, 0777) != 0 && errno != EEXIST)
         return bb_fail(BB_INVALID, "cannot make the folder of the charts %s: %s", folder,
                        strerror(errno));
     BB_TRY(make_script(results, NULL, &script, pictures));
-    bb_status status = draw_beside(folder, part, script, false, *pictures > 0);
+    bb_status status = draw_beside(folder, script, *pictures > 0);
     free(script);
     return status;
 }
 
+/* Draws in the folder, which is empty, and moves what was drawn to `path`. */
+static bb_status draw_figure(const char *folder, const char *drawn, const char *script,
+                             const char *path)
+{
+    char file[PATH_MAX], picture[PATH_MAX];
+    if (snprintf(file, sizeof file, "%s/%s", folder, bb_gnuplot_script) >= (int)sizeof file ||
+        snprintf(picture, sizeof picture, "%s/%s", folder, drawn) >= (int)sizeof picture)
+        return bb_fail(BB_INVALID, "%s: the path is too long", path);
+    BB_TRY(bb_file_write(file, script, strlen(script), "figure"));
+    BB_TRY(bb_gnuplot_draw(folder));
+    if (!bb_gnuplot_whole(picture))
+        return bb_fail(BB_FAILED, "report: %s is not whole: is there room on the disk?", picture);
+    if (rename(picture, path) != 0)
+        return bb_fail(BB_FAILED, "report: cannot make %s: %s", path, strerror(errno));
+    return BB_OK;
+}
+
 bb_status bb_report_figure(bb_results *results, const char *name, double width_mm, const char *path)
 {
-    char *script, *folder, part[PATH_MAX];
-    const char *slash = strrchr(path, '/');
-    const bb_chart_print figure = {name, width_mm, slash != NULL ? slash + 1 : path};
+    char *script, part[PATH_MAX], drawn[16], reason[1024];
+    const char *format = strrchr(path, '.');
     uint32_t pictures;
-    if (snprintf(part, sizeof part, "%s.part", path) >= (int)sizeof part)
+    /* whatever `path` is, gnuplot sees a name of ours */
+    snprintf(drawn, sizeof drawn, "figure%.4s", format != NULL ? format : ".pdf");
+    const bb_chart_print figure = {name, width_mm, drawn};
+    if (snprintf(part, sizeof part, "%s.XXXXXX", path) >= (int)sizeof part)
         return bb_fail(BB_INVALID, "%s: the path is too long", path);
     BB_TRY(make_script(results, &figure, &script, &pictures));
-    folder = bb_file_folder(path);
-    bb_status status = folder != NULL ? draw_beside(folder, part, script, true, true)
-                                      : bb_fail(BB_FAILED, "report: no memory");
-    free(folder);
+    bb_status status = mkdtemp(part) != NULL
+                           ? draw_figure(part, drawn, script, path)
+                           : bb_fail(BB_INVALID, "report: cannot make a folder beside %s: %s", path,
+                                     strerror(errno));
     free(script);
-    return status;
+    snprintf(reason, sizeof reason, "%s", bb_message());
+    (void)empty_folder(part, NULL);
+    return status == BB_OK ? BB_OK : bb_fail(status, "%s", reason);
 }

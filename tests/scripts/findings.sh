@@ -9,6 +9,7 @@ mkdir -p "$work/scripts" "$work/build/release" "$work/findings" "$work/data"
 cp "$source/scripts/findings" "$work/scripts/"
 ln -s "$program" "$work/build/release/bvhbench"
 cd "$work"
+own=$("$program" --version | sed 's/.*(\(.*\))$/\1/')
 
 fail() {
     echo "findings.sh: $1" >&2
@@ -25,11 +26,11 @@ template() { # PROGRAM [SENTENCE]
     printf '# Head\n\n```data forged\nbvhbench stress --axis outlier\n```\n\n```jq\ndef twice: 2 * .;\n```\n\n### Title\n\n%s\n\n```jq forged\n%s\n```\n' \
         "${2-It fails at {{at\}\}, twice is {{twice\}\}.}" "$1" >t.md
 }
-forge() { # AT CPU NAME
+forge() { # AT CPU NAME [REVISION]
     mkdir -p "data/$3"
     cat >"data/$3/stress.json" <<END
 {"schema":"bvhbench-table/1","command":"stress","columns":[],"rows":[
-{"cpu":"$2","cpu_threads":2,"device":"a device","revision":"abc","date":"2024-01-02T03:04:05Z","command":"bvhbench stress --axis outlier --quiet --out /somewhere/else"},
+{"cpu":"$2","cpu_threads":2,"device":"a device","revision":"${4-$own}","date":"2024-01-02T03:04:05Z","command":"bvhbench stress --axis outlier --quiet --out /somewhere/else"},
 {"builder":"lbvh","question":"outlier","at":$1}]}
 END
 }
@@ -39,16 +40,16 @@ good='[.rows[] | select(.builder == "lbvh") | .at][0] as $at | {at: $at, twice: 
 template "$good"
 forge 20 'A processor' forged
 findings 0 '1 sentences, 1 hold'
-cat >expected <<'END'
+cat >expected <<END
 # Head
 
-Measured on A processor, 2 threads, a device; bvhbench abc.
+Measured on A processor, 2 threads, a device; bvhbench $own.
 
 ## Title
 
 It fails at 20, twice is 40.
 
-`bvhbench stress --axis outlier --quiet --out /somewhere/else`, A processor, 2024-01-02
+\`bvhbench stress --axis outlier --quiet --out /somewhere/else\`, A processor, 2024-01-02
 END
 diff expected F.md || fail 'FINDINGS.md is not what was expected'
 rm F.md
@@ -90,13 +91,19 @@ mv kept data/forged/stress.json
 { cat t.md; printf '```data other\nfalse\n```\n'; } >two.md
 mv two.md t.md
 forge 20 'Another processor' other
-findings 2 'several machines or revisions'
+findings 2 'several machines'
+forge 20 'A processor' other abc
+findings 2 "measured by revision abc, and this program is $own"
 rm -r data/other
 
 # Commands run if there are no results; a failing one is named. Without checkouts, it is left out.
 findings 2 'false: ' # `false --out ...`: status 1, and no results
 sed -i 's/^false$/true "$PEERS"/' t.md
 findings 0 'other: no checkouts'
+{ cat t.md; printf '### Peers\n\nThey fail at {{at}}.\n\n```jq other\n%s\n```\n' "$good"; } >two.md
+mv two.md t.md
+findings 1 'not measured: Peers'
+findings 1 'not measured: Peers' --check
 template "$good"
 sed -i 's/^bvhbench stress.*/bvhbench stress --axis nowhere/; s/data forged/data anew/; s/jq forged/jq anew/' t.md
 findings 2 'nowhere'

@@ -1,5 +1,14 @@
 /* Two runs side by side: of each cell that both measured, both figures and their ratio (framework/report/report_against.c). */
-const keyPart = name => ({ name, text: row => decodeURIComponent(partOfKey(`/${row.cell}`, name.toLowerCase()) || dash), wide: name === 'Builder' });
+const keyPart = name => ({ name, text: row => decoded(partOfKey(`/${row.cell}`, name.toLowerCase()) || dash), wide: name === 'Builder' });
+
+/* A name that is no UTF-8 stays as it is in the key. */
+function decoded(text) {
+  try {
+    return decodeURIComponent(text);
+  } catch {
+    return text;
+  }
+}
 
 function startAgainst() {
   $('against').hidden = $('against-link').hidden = !against;
@@ -14,6 +23,6 @@ function startAgainst() {
     { name: 'Ratio [95 %]', number: true, title: 'new / old', value: row => row.ratio,
       text: row => isNumber(row.ratio) ? row.ratio.toFixed(3) + (isNumber(row.low) ? ` [${row.low.toFixed(3)}, ${row.high.toFixed(3)}]` : '') : dash },
     { name: 'Verdict', text: row => row.verdict, css: row => row.verdict === 'worse' ? 'wrong' : '' },
-    commandColumn(row => /\/(layout|run|rays-hash)=/.test(row.cell) ? '' : commandOf(0, [['cell', [row.cell]]])),
+    commandColumn(row => /\/(layout|run|rays-hash)=/.test(row.cell) ? '' : commandOf(1, [['cell', [row.cell]]])),
   ], against.rows, { tools: true, odd: row => ['worse', 'better', 'changed', 'undecided'].includes(row.verdict), oddly: 'only what moved' });
 }

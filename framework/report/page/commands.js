@@ -1,10 +1,19 @@
 /* Command lines that measure what is shown once more, and buttons that copy them. */
 const quoted = word => /^[\w.,:=+/%@-]+$/.test(word) ? word : `'${word.replaceAll("'", `'\\''`)}'`;
 
+/* The words of a command line, as a shell takes them. */
+const wordsOf = command => [...command.matchAll(/(?:[^\s'\\]|'[^']*'|\\')+/g)].map(([word]) =>
+  word.replace(/'([^']*)'|\\'/g, (_, inner) => inner ?? "'"));
+
 /* What a run was told of its device, plug-ins and tracers in files: without it, it can't be repeated. */
-const toldOf = run => [...((run ? (data.merged || [])[run - 1] : data.context)?.command || '')
-  .matchAll(/--(?:device|form|handover|kernels-from|plugin|tracer)(?:=| )(?:'[^']*'|\S+)/g)].map(found => found[0])
-  .filter(option => !/^--tracer/.test(option) || /\.so\b/.test(option));
+function toldOf(run) {
+  const words = wordsOf((run ? (data.merged || [])[run - 1] : data.context)?.command || '');
+  return words.flatMap((word, i) => {
+    const [, name, own] = word.match(/^--(device|form|handover|kernels-from|plugin|tracer)(?:=([^]*))?$/) || [];
+    const value = own ?? words[i + 1];
+    return name && value && (name !== 'tracer' || /\.so\b/.test(value)) ? [`--${name} ${quoted(value)}`] : [];
+  });
+}
 
 const commandOf = (run, options) => ['bvhbench run', ...toldOf(run),
   ...options.flatMap(([name, values]) => values.length ? [`--${name} ${quoted(unique(values).join(','))}`] : [])].join(' ');
@@ -15,10 +24,11 @@ const rowCommand = row => row.cell && !row.cell.includes('/rays-hash=') ? comman
 /* Size, number and seed of rays, as a key has them. */
 const partOfKey = (key, name) => key.match(new RegExp(`/${name}=([^/]*)`))?.[1];
 
-/* Of all of these traces that can be made again, of one run, whatever their views. */
+/* Of all of these traces that can be made again, with rays like those of the first, whatever their views. */
 function tracesCommand(all) {
-  const list = all.filter(rowCommand);
-  if (list.length === 0) return '';
+  const first = all.find(rowCommand), like = t => [runOf(t), ...['size', 'max-rays', 'seed'].map(name => partOfKey(t.cell, name))].join();
+  if (!first) return '';
+  const list = all.filter(t => rowCommand(t) && like(t) === like(first));
   const ours = list.filter(t => !t.reference), native = list.filter(t => t.reference), values = (rows, name) => rows.map(t => t[name]).filter(Boolean);
   const own = ['size', 'max-rays', 'seed'].map(name => [name, [partOfKey(list[0].cell, name)].filter(Boolean)]);
   return commandOf(runOf(list[0]), [['scene', values(list, 'scene')], ['rays', values(list, 'rays')], ['builder', values(ours, 'builder')],

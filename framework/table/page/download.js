@@ -8,8 +8,11 @@ function saveFile(name, blob) {
   setTimeout(() => URL.revokeObjectURL(link.href), 60000);
 }
 
-/* RFC 4180 */
-const csvEntry = value => /[",\r\n]/.test(String(value ?? '')) ? `"${String(value).replaceAll('"', '""')}"` : String(value ?? '');
+/* RFC 4180; what a spreadsheet would take for a formula is marked as text. */
+function csvEntry(value) {
+  const text = typeof value === 'string' && /^(?:[=+@\t\r]|-[^\d.]*[A-Za-z(])/.test(value) ? `'${value}` : String(value ?? '');
+  return /[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
+}
 const csvBlob = rows => new Blob([rows.map(row => `${row.map(csvEntry).join(',')}\r\n`).join('')], { type: 'text/csv' });
 
 const fileName = (words, ending) => `${words.toLowerCase().replace(/[^a-z0-9]+/g, '-').replace(/^-|-$/g, '').slice(0, 80)}.${ending}`;
