@@ -146,7 +146,7 @@ static void embree_is_on_the_cpu_wherever_it_is_shown(void **state)
         assert_true(is_reference(trace) == isnan(number_of(trace, "warm_rounds")));
     }
     cJSON_Delete(results);
-    expect(0, "report labels", " of Embree on the CPU");
+    expect(0, "report labels", " as Embree on the CPU");
     expect(0, "report labels", " trace ");
     expect(0, "report labels", " at the end, tracers, which trace trees of their own");
     expect(0, "report labels", "/ref: Embree on the CPU, by its fastest row");

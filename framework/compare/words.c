@@ -86,9 +86,10 @@ static void say_traces(bb_summary *s)
     bb_sentence *sentence = begin(s, "Fastest trace");
     say_names(sentence, &tied);
     if (s->reference != NULL && tied.count > 1)
-        say(sentence, ": %.2f to %.2f of %s, not told apart", worst, best, s->reference);
+        say(sentence, ": %.2f to %.2f times as fast as %s, not told apart", worst, best,
+            s->reference);
     else if (s->reference != NULL)
-        say(sentence, ": %.2f of %s", best, s->reference);
+        say(sentence, ": %.2f times as fast as %s", best, s->reference);
     else if (tied.count > 1)
         say(sentence, ": not told apart");
     const bb_summary_row *next = &s->rows[tied.count];
@@ -105,11 +106,31 @@ static void say_yardsticks(bb_summary *s)
         if (row->yardstick == 0)
             continue;
         if (sentence == NULL) {
-            sentence = begin(s, "Reference");
+            sentence = begin(s, "Fastest of Embree");
             say(sentence, "%s on %u of %u ray sets", row->name, row->yardstick, s->sets);
         } else
             say(sentence, ", %s on %u", row->name, row->yardstick);
     }
+}
+
+/* Says how much slower other tracers are than the fastest builder; "Right answers" has the rays
+ * that they lose. */
+static void say_tracers(bb_summary *s)
+{
+    const bb_summary_row *fastest = NULL;
+    const double best = s->builder_count > 0 ? s->rows[0].trace.value : (double)NAN;
+    char text[32];
+    for (uint32_t i = s->builder_count; i < s->row_count; i++) {
+        const bb_summary_row *row = &s->rows[i];
+        if (isfinite(row->trace.value) && !row->partial &&
+            (fastest == NULL || row->trace.value > fastest->trace.value))
+            fastest = row;
+    }
+    if (!isfinite(best) || fastest == NULL)
+        return;
+    bb_sentence *sentence = begin(s, "Other tracers");
+    say(sentence, "%s, the fastest, traces %s as fast as %s", fastest->name,
+        times_text(fastest->trace.value / best, text), s->rows[0].name);
 }
 
 /* Returns the figure of a row by which rows are compared. */
@@ -226,7 +247,7 @@ static void say_crossings(bb_summary *s)
             holder = first;
             sentence = begin(s, "Fastest image");
         } else if (first != holder && !holder->curve_first[i]) {
-            say(sentence, "%s to %s rays; ", holder->name,
+            say(sentence, "%s up to %s rays; ", holder->name,
                 rays_text(bb_summary_curve_count(i - 1), text));
             holder = first;
         }
@@ -298,6 +319,7 @@ void bb_summary_say(bb_summary *summary)
     say_traces(summary);
     if (summary->reference != NULL)
         say_yardsticks(summary);
+    say_tracers(summary);
     say_builds(summary);
     say_untimed(summary);
     say_crossings(summary);
