@@ -10,6 +10,7 @@
 #include "framework/record/schema.h"
 #include "framework/report/chart.h"
 #include "framework/report/report_compare.h"
+#include "framework/report/report_papers.h"
 #include "framework/table/template.h"
 
 #include <stdint.h>
@@ -122,9 +123,10 @@ static bb_status write_html(bb_results *results, const bb_comparison_result *com
     char *charts = charts_json(results);
     char *schema = bb_schema_json();
     char *summary = bb_summary_json(results);
+    char *papers = bb_papers_json(results);
     char *against = compared != NULL ? bb_against_json(compared) : strdup("null");
     if (schema == NULL || against == NULL || summary == NULL || records == NULL ||
-        pictures == NULL || charts == NULL) {
+        pictures == NULL || charts == NULL || papers == NULL) {
         status = bb_fail(BB_FAILED, "report %s: no memory", path);
         goto out;
     }
@@ -135,6 +137,7 @@ static bb_status write_html(bb_results *results, const bb_comparison_result *com
         {"@BB_SUMMARY@", summary, true},
         {"@BB_CHARTS@", charts, true},
         {"@BB_AGAINST@", against, true},
+        {"@BB_PAPERS@", papers, true},
         {"@BB_PICTURES@", pictures, true},
         {"@BB_CHART_JS@", bb_text_chart_js, false},
         {"@BB_SCRIPT@", bb_text_report_js, false},
@@ -145,6 +148,7 @@ static bb_status write_html(bb_results *results, const bb_comparison_result *com
 out:
     free(page.data);
     free(against);
+    free(papers);
     free(schema);
     free(summary);
     free(charts);

@@ -6,6 +6,7 @@ const schema = JSON.parse(document.getElementById('schema-data').textContent);
 const sets = JSON.parse(document.getElementById('chart-data').textContent);
 const summaries = JSON.parse(document.getElementById('summary-data').textContent);
 const against = JSON.parse(document.getElementById('against-data').textContent);
+const papersOf = JSON.parse(document.getElementById('paper-data').textContent);
 const pictures = JSON.parse(document.getElementById('picture-data').textContent);
 
 /* ---- small helpers ---- */

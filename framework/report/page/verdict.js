@@ -39,9 +39,13 @@ function tieClass(rows, i) {
   return same(i - 1) || same(i + 1) ? `tie${same(i - 1) ? '' : ' first'}${same(i + 1) ? '' : ' last'}` : '';
 }
 
+/* Links to the papers of a builder, or of each stage of one. */
+const paperLinks = builder => builder.split('+').flatMap(stage => papersOf[stage.split(':')[0]] || [])
+  .flatMap(paper => [' ', el('a', { class: 'note', href: `https://doi.org/${encodeURI(paper.doi)}`, title: paper.title, rel: 'noreferrer' }, 'paper')]);
+
 function builderCell(summary, row) {
   const note = words => el('span', { class: 'note' }, words);
-  return el('th', { scope: 'row' }, ...breakable(nameOf(row)), row.reference ? note('\u00a0tracer') : null,
+  return el('th', { scope: 'row' }, ...breakable(nameOf(row)), ...paperLinks(row.builder), row.reference ? note('\u00a0tracer') : null,
     row.partial && !row.reference ? note(` no rank: ${row.sets} of ${plural(summary.sets, 'ray set')}`) : null,
     row.leaves_out ? note(` build not ranked: ${ratio(row.untimed)}x of it outside the clock`) : null);
 }
