@@ -89,6 +89,7 @@ expect([...document.querySelectorAll('#verdict-bars td.bars')].every(cell =>
   cell.textContent !== '-' || cell.querySelector('.bar').offsetWidth === 0), 'a bar for what was not measured');
 const headings = id => [...$(id).querySelectorAll('thead th button')];
 expect(headings('verdict-bars').length === 11, 'columns of the first table');
+expect($('verdict-bars').querySelector('a[href^="https://doi.org/10."]')?.title, 'no builder has a link to its paper');
 for (const heading of headings('verdict-bars').slice(1, -1)) sorts('verdict-bars', heading);
 expect(getComputedStyle(headings('verdict-bars')[0]).visibility === 'visible' &&
        headings('verdict-bars')[0].getBoundingClientRect().left >= 0, 'the headings of the first table are not seen');
