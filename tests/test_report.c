@@ -407,7 +407,7 @@ static void page_escapes_data(void **state)
     const char *folder = sample_folder("page_escapes_data");
     bb_results *results = sample_results(folder);
     char *page = page_of(results, folder);
-    assert_int_equal(count_of(page, "</script"), 8);
+    assert_int_equal(count_of(page, "</script"), 9);
     assert_non_null(strstr(page, "\\u003c/script>\\u003cb>"));
 
     /* and what stands in the page is the document, digit for digit */
