@@ -56,6 +56,17 @@ static inline void edit_nothing(bb_results *results)
     (void)results;
 }
 
+/* Writes a made-up run, edited, into a file of the folder. */
+static inline void write_run(const char *folder, const char *name, edit_fn *edit, uint64_t seed)
+{
+    char path[600];
+    bb_results *results = history_run("one", "here", "2024-01-01T00:00:00Z", nothing, seed);
+    edit(results);
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    ASSERT_OK(bb_results_write(results, path));
+    bb_results_destroy(results);
+}
+
 /* ---- edits ---- */
 
 static inline void edit_sah(bb_results *r)

@@ -4,16 +4,6 @@
 
 #include <sys/stat.h>
 
-static void write_document(const char *name, edit_fn *edit, uint64_t seed)
-{
-    char path[600];
-    bb_results *results = history_run("one", "here", "2024-01-01T00:00:00Z", nothing, seed);
-    edit(results);
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    ASSERT_OK(bb_results_write(results, path));
-    bb_results_destroy(results);
-}
-
 static void write_texts(bb_results *r)
 {
     set_context(r, BB_F_CONTEXT_SHARD, "\033[2J\033]0;title\007");
@@ -23,8 +13,8 @@ static void write_texts(bb_results *r)
 static void messages_do_not_steer(void **state)
 {
     (void)state;
-    write_document("a.json", edit_nothing, 1);
-    write_document("steer.json", write_texts, 1);
+    write_run(folder, "a.json", edit_nothing, 1);
+    write_run(folder, "steer.json", write_texts, 1);
     const char *script = "#!/bin/sh\nprintf 'bvhbench: \\033[2J\\302\\233 broken\\n' >&2\nexit 2\n";
     char path[600];
     write_file("steers", script, strlen(script));
@@ -47,13 +37,13 @@ static void messages_do_not_steer(void **state)
 static void files_are_compared(void **state)
 {
     (void)state;
-    write_document("a.json", edit_nothing, 1);
-    write_document("b.json", edit_nothing, 2);
-    write_document("slow.json", edit_slower, 2);
-    write_document("sah.json", edit_sah, 2);
-    write_document("elsewhere.json", edit_all_scenes, 2);
+    write_run(folder, "a.json", edit_nothing, 1);
+    write_run(folder, "b.json", edit_nothing, 2);
+    write_run(folder, "slow.json", edit_slower, 2);
+    write_run(folder, "sah.json", edit_sah, 2);
+    write_run(folder, "elsewhere.json", edit_all_scenes, 2);
     refuses("", "compare a.json elsewhere.json", "nothing can be compared");
-    write_document("failed.json", edit_all_failed, 2);
+    write_run(folder, "failed.json", edit_all_failed, 2);
     refuses("", "compare failed.json failed.json", "nothing can be compared");
     expect(1, "compare a.json failed.json", " status  ok      failed ");
     expect(0, "compare a.json b.json", "nothing is worse");
@@ -65,10 +55,10 @@ static void files_are_compared(void **state)
     expect(0, "compare a.json b.json --format junit", " failures=\"0\"");
     expect(0, "compare a.json slow.json --threshold 60", "the 60.00 %: --threshold");
     expect(1, "compare a.json slow.json --threshold 40", "worse: 1");
-    write_document("gone.json", edit_gone, 2);
+    write_run(folder, "gone.json", edit_gone, 2);
     expect(1, "compare a.json gone.json", "1 cells are missing");
     expect(0, "compare gone.json a.json", "nothing is worse");
-    write_document("many.json", edit_many_rounds, 1);
+    write_run(folder, "many.json", edit_many_rounds, 1);
     expect(0, "compare many.json many.json --detect 900", "could have shown a slowing by");
     expect(1, "compare a.json slow.json --detect 1", "1 figures are worse");
     const outcome *o = run("compare a.json b.json --detect 1");
@@ -95,7 +85,7 @@ static void results_as_google_benchmark(void **state)
     static const char *const numbers[] = {"repetitions", "repetition_index", "iterations",
                                           "real_time",   "cpu_time",         "family_index",
                                           "threads"};
-    write_document("a.json", edit_nothing, 1);
+    write_run(folder, "a.json", edit_nothing, 1);
     const outcome *o =
         run_program("", "sh", "-c '" BB_TEST_PROGRAM " report a.json --google-benchmark >gb.json'");
     assert_int_equal(o->exit_status, 0);
@@ -142,7 +132,7 @@ static void revisions_are_compared(void **state)
     expect(1, "compare --history bench.db eeee dddd", "\nworse: 1\n");
     refuses("", "compare --history bench.db a cccc", "write more of it");
     refuses("", "compare --history bench.db abab ffff", "has no revision 'ffff'");
-    write_document("a.json", edit_nothing, 1);
+    write_run(folder, "a.json", edit_nothing, 1);
     expect(0, "compare --history bench.db abab a.json", "in both");
     expect(0, "report --history bench.db --out history.html",
            "dddd444444444  2024-01-04T00:00:00Z     1    258      1       0          0        0\n");
@@ -198,8 +188,8 @@ static void programs_are_run_in_turns(void **state)
 {
     (void)state;
     char order[4000], path[600];
-    write_document("a.json", edit_nothing, 1);
-    write_document("slow.json", edit_slower, 1);
+    write_run(folder, "a.json", edit_nothing, 1);
+    write_run(folder, "slow.json", edit_slower, 1);
     write_programs();
     expect(1, "compare --run ./quick ./slow --rounds 9 --history programs.db", "in pairs");
     /* 10 pairs, each of both, and not always in the same order */
@@ -248,7 +238,7 @@ static uint32_t turns_taken(void)
 static void fewer_pairs_are_compared_too(void **state)
 {
     (void)state;
-    write_document("a.json", edit_nothing, 1);
+    write_run(folder, "a.json", edit_nothing, 1);
     write_programs();
     write_file("order", "", 0);
     const outcome *o =

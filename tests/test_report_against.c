@@ -8,16 +8,6 @@
 #include <math.h>
 #include <sys/stat.h>
 
-static void write_run(const char *name, edit_fn *edit, uint64_t seed)
-{
-    char path[600];
-    bb_results *results = history_run("one", "here", "2024-01-01T00:00:00Z", nothing, seed);
-    edit(results);
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    ASSERT_OK(bb_results_write(results, path));
-    bb_results_destroy(results);
-}
-
 static void edit_both(bb_results *results)
 {
     edit_slower(results);
@@ -66,8 +56,8 @@ static void both_figures_and_their_ratio(void **state)
     (void)state;
     uint32_t worse = 0, sah = 0, times = 0;
     const cJSON *row;
-    write_run("old.json", edit_nothing, 1);
-    write_run("new.json", edit_both, 2);
+    write_run(folder, "old.json", edit_nothing, 1);
+    write_run(folder, "new.json", edit_both, 2);
     expect(1, "compare old.json new.json", "2 figures are worse");
     expect(0, "report --against old.json new.json --out page.html", "2 figures are worse");
     cJSON *json = against_of("page.html");
@@ -100,9 +90,9 @@ static void what_is_no_two_runs_is_refused(void **state)
     (void)state;
     struct stat info;
     char path[600];
-    write_run("a.json", edit_nothing, 1);
-    write_run("b.json", edit_nothing, 2);
-    write_run("c.json", edit_keys, 3);
+    write_run(folder, "a.json", edit_nothing, 1);
+    write_run(folder, "b.json", edit_nothing, 2);
+    write_run(folder, "c.json", edit_keys, 3);
     snprintf(path, sizeof path, "%s/none.html", folder);
     refuses("", "report --against --out none.html", "--against compares two runs, not 0: give OLD");
     refuses("", "report --against a.json --out none.html", "two runs, not 1");
@@ -120,8 +110,8 @@ static int write_page(const char *to)
 {
     char arguments[1024];
     make_folder(NULL);
-    write_run("old.json", edit_nothing, 1);
-    write_run("new.json", edit_both, 2);
+    write_run(folder, "old.json", edit_nothing, 1);
+    write_run(folder, "new.json", edit_both, 2);
     snprintf(arguments, sizeof arguments,
              "report --against old.json new.json --out %s/against.html", to);
     const int status = run(arguments)->exit_status;

@@ -9,6 +9,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+const char *bb_change_word(bb_change_verdict verdict)
+{
+    static const char *const words[] = {[BB_WORSE] = "worse",
+                                        [BB_BETTER] = "better",
+                                        [BB_UNDECIDED] = "undecided",
+                                        [BB_CHANGED] = "changed"};
+    return words[verdict];
+}
+
 static bool is_ok(const bb_measured *cell)
 {
     return strcmp(cell->status, "ok") == 0;

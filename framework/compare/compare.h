@@ -64,6 +64,9 @@ typedef enum bb_change_verdict {
     BB_CHANGED,   /* an exact figure that is neither better nor worse */
 } bb_change_verdict;
 
+/* Returns it in a word: "worse". */
+const char *bb_change_word(bb_change_verdict verdict);
+
 /* A time or figure that moved. */
 typedef struct bb_change {
     const bb_measured *before, *after;

@@ -215,20 +215,20 @@ void bb_plot_place_keys(const bb_plot *p, bb_mark *marks, uint32_t count, const 
                         const bb_chart_axis *y)
 {
     for (uint32_t i = 0; i < count; i++) {
-        marks[i].label_right = 0;
+        marks[i].key_side = 0;
         for (int side = 1; side >= (p->figure != NULL ? -1 : 1); side -= 2) {
             const place own = place_of(p, &marks[i], side, x, y);
             bool free = p->figure == NULL || (own.left >= 0 && own.right <= 1.02);
             for (uint32_t k = 0; k < count && free; k++) {
-                if (k < i && marks[k].label_right != 0)
-                    free = !meet(own, place_of(p, &marks[k], marks[k].label_right, x, y));
+                if (k < i && marks[k].key_side != 0)
+                    free = !meet(own, place_of(p, &marks[k], marks[k].key_side, x, y));
                 const double at = along(x, marks[k].x), up = along(y, marks[k].y);
                 if (p->figure != NULL && k != i && free)
                     free = !meet(own, (place){at - 0.01, at + 0.01, up - 0.015, up + 0.015});
             }
             if (!free)
                 continue;
-            marks[i].label_right = side;
+            marks[i].key_side = side;
             break;
         }
     }

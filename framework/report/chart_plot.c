@@ -220,8 +220,8 @@ static void print_marks(FILE *out, const bb_mark *marks, uint32_t count)
                 m->at_most ? m->x : or_else(m->x_low, m->x), or_else(m->x_high, m->x),
                 or_else(m->y_low, m->y), or_else(m->y_high, m->y), m->colour, m->shape,
                 m->at_most ? m->x / 1.35 - m->x : 0.0, least, most - least);
-        bb_plot_column(out, m->label_right > 0 ? m->key : "");
-        bb_plot_column(out, m->label_right < 0 ? m->key : "");
+        bb_plot_column(out, m->key_side > 0 ? m->key : "");
+        bb_plot_column(out, m->key_side < 0 ? m->key : "");
         fputc('\n', out);
     }
     fputs("EOD\n", out);
@@ -248,7 +248,7 @@ static void legend_entry(FILE *out, unsigned colour, int shape, const char *key,
 {
     fprintf(out, ", \\\n NaN with points pt %d lc rgb '#%06x' title '", shape, colour);
     bb_plot_quoted(out, key);
-    fputs(key[0] != '\0' ? "  " : "", out);
+    fputs(key[0] != '\0' && name[0] != '\0' ? "  " : "", out);
     bb_plot_quoted(out, name);
     fputc('\'', out);
 }
@@ -262,7 +262,7 @@ static void legend_series(const bb_plot *p, const bb_series *list, uint32_t seri
     else
         bb_plot_builder_key(p, cell, key);
     if (p->figure != NULL)
-        snprintf(name, sizeof name, "%s", key);
+        name[0] = '\0'; /* the key is the name */
     else if (list == &p->kernels)
         snprintf(name, sizeof name, "%s", bb_get_text(cell->trace, BB_F_TRACE_KERNEL));
     else
@@ -271,8 +271,7 @@ static void legend_series(const bb_plot *p, const bb_series *list, uint32_t seri
                       : !coloured && list == &p->kernels ? 0
                       : shapes_are_series(p)             ? filled[series % SHAPES]
                                                          : 5;
-    legend_entry(p->out, coloured ? colour_of(p, series) : BB_PLOT_BLACK, shape,
-                 p->figure == NULL ? key : "", name);
+    legend_entry(p->out, coloured ? colour_of(p, series) : BB_PLOT_BLACK, shape, key, name);
 }
 
 void bb_plot_legend_series(const bb_plot *p, const bb_series *list, uint32_t marks, bool coloured)

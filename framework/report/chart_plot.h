@@ -39,8 +39,8 @@ typedef struct bb_mark {
     double y_least, y_most; /* range of too few rounds for an interval; NAN if there is one */
     unsigned colour;
     int shape;
-    bool at_most;    /* gets an arrow to the left: the value is an upper bound */
-    int label_right; /* the key is to the right of the mark (1), to the left (-1), or left out */
+    bool at_most; /* gets an arrow to the left: the value is an upper bound */
+    int key_side; /* 1: the key is to the right of the mark; -1: to the left; 0: left out */
     char key[BB_PLOT_KEY];
 } bb_mark;
 

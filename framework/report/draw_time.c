@@ -91,8 +91,8 @@ static void print_keys(FILE *out, const char *name, const bb_mark *marks, uint32
     fprintf(out, "$%s << EOD\n", name);
     for (uint32_t i = 0; i < count; i++) {
         fprintf(out, "%.9g %.9g", marks[i].x, marks[i].y);
-        bb_plot_column(out, marks[i].label_right > 0 ? marks[i].key : "");
-        bb_plot_column(out, marks[i].label_right < 0 ? marks[i].key : "");
+        bb_plot_column(out, marks[i].key_side > 0 ? marks[i].key : "");
+        bb_plot_column(out, marks[i].key_side < 0 ? marks[i].key : "");
         fputc('\n', out);
     }
     fputs("EOD\n", out);
@@ -146,7 +146,7 @@ static void draw_time(bb_plot *p)
             print_curve(p, builder_at(p, i), i, &f.x, ends + 2 * curves++);
     bb_plot_place_keys(p, p->marks, crossings + 2 * curves, &f.x, &f.y);
     for (uint32_t i = 0; i < crossings && p->figure == NULL; i++)
-        p->marks[i].label_right = 1; /* all are named */
+        p->marks[i].key_side = 1; /* all are named */
     print_keys(p->out, "cross", p->marks, crossings);
     print_keys(p->out, "keys", ends, 2 * curves);
     fputs("plot $keys using 1:2:3 with labels left offset char 0.3,0.5 notitle, \\\n $keys using "

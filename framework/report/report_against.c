@@ -29,11 +29,7 @@ static void put_row(bb_json *json, const against_row *row)
 
 static const char *verdict_of(const bb_change *move)
 {
-    static const char *const words[] = {[BB_WORSE] = "worse",
-                                        [BB_BETTER] = "better",
-                                        [BB_UNDECIDED] = "undecided",
-                                        [BB_CHANGED] = "changed"};
-    return move == NULL ? "not told apart" : words[move->verdict];
+    return move == NULL ? "not told apart" : bb_change_word(move->verdict);
 }
 
 /* Returns what moved of the cell by this name; NULL: nothing did. */

@@ -163,10 +163,6 @@ static void add_move(bb_page *page, const bb_change *m)
 
 static void add_moves(bb_page *page, const bb_comparison_result *r, bb_change_verdict verdict)
 {
-    static const char *const titles[] = {[BB_WORSE] = "worse",
-                                         [BB_BETTER] = "better",
-                                         [BB_UNDECIDED] = "less, but undecided",
-                                         [BB_CHANGED] = "changed"};
     static const char *const headings[] = {"cell", "figure", "before", "after", "ratio [95 %]"};
     uint32_t count = 0, shown = 0;
     char title[40];
@@ -174,7 +170,8 @@ static void add_moves(bb_page *page, const bb_comparison_result *r, bb_change_ve
         count += r->moves[i].verdict == verdict;
     if (count == 0)
         return;
-    snprintf(title, sizeof title, "%s: %u", titles[verdict], count);
+    snprintf(title, sizeof title, "%s%s: %u", verdict == BB_UNDECIDED ? "less, but " : "",
+             bb_change_word(verdict), count);
     bb_page_heading(page, title);
     bb_page_grid(page, "");
     for (int i = 0; i < 5; i++)

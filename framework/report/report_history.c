@@ -17,17 +17,12 @@ extern const char bb_text_style_css[], bb_text_chart_js[], bb_text_report_histor
 
 /* ---- a cell ---- */
 
-static const char *const verdicts[] = {[BB_WORSE] = "worse",
-                                       [BB_BETTER] = "better",
-                                       [BB_UNDECIDED] = "undecided",
-                                       [BB_CHANGED] = "changed"};
-
 static void put_move(bb_json *json, uint32_t at, const bb_change *move)
 {
     bb_json_object(json, NULL);
     bb_json_add_number(json, "at", at);
     bb_json_add_text(json, "what", move->timed ? "ms" : move->what);
-    bb_json_add_text(json, "verdict", verdicts[move->verdict]);
+    bb_json_add_text(json, "verdict", bb_change_word(move->verdict));
     bb_json_add_bool(json, "counts", move->counts);
     bb_json_add_number(json, "from", move->from);
     bb_json_add_number(json, "to", move->to);
@@ -186,8 +181,7 @@ static void add_revision(bb_page *page, const bb_trend *trend, uint32_t i)
 
 bb_status bb_report_history_text(const bb_trend *trends, uint32_t count, FILE *out)
 {
-    static const char *const headings[] = {"revision", "date",   "runs",      "cells",
-                                           "worse",    "better", "undecided", "changed"};
+    static const char *const headings[] = {"revision", "date", "runs", "cells"};
     bb_page *page;
     BB_TRY(bb_page_create("history", &page));
     for (uint32_t t = 0; t < count; t++) {
@@ -195,8 +189,10 @@ bb_status bb_report_history_text(const bb_trend *trends, uint32_t count, FILE *o
         char title[sizeof o->host + sizeof o->device + 2];
         snprintf(title, sizeof title, "%s, %s", o->host, o->device);
         bb_page_grid(page, title);
-        for (int k = 0; k < 8; k++)
+        for (int k = 0; k < 4; k++)
             bb_page_column(page, headings[k], "", "", 0);
+        for (bb_change_verdict v = BB_WORSE; v <= BB_CHANGED; v++)
+            bb_page_column(page, bb_change_word(v), "", "", 0);
         for (uint32_t i = trends[t].count; i-- > 0;)
             add_revision(page, &trends[t], i);
     }

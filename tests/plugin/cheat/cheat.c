@@ -26,6 +26,12 @@ typedef struct memory {
     bb_node *nodes;
 } memory;
 
+/* What kind=refuses keeps beyond an object that is destroyed for its refusal. */
+static struct {
+    memory memories[MEMORIES];
+    uint32_t count;
+} kept;
+
 typedef struct cheat {
     bb_device *device;
     const char *kind;
@@ -46,11 +52,13 @@ typedef struct cheat {
 
 static const bb_option options[] = {
     {"kind", "right",
-     "right|content|sleeper|repents|first|prepared|early|spins|late|process|boxes|device-boxes|"
+     "right|content|sleeper|repents|refuses|first|prepared|early|spins|late|process|boxes|device-"
+     "boxes|"
      "new-boxes|last-boxes|hides",
      "content: a tree that it has built before is copied; sleeper: likewise, and its second copy "
-     "is slow; repents: likewise, but builds from its third input on; first: always its first "
-     "tree; prepared: prepare() builds, build() copies; early: a "
+     "is slow; repents: likewise, but builds from its third input on; refuses: likewise, for lack "
+     "of memory that it does not lack when it sees an input again; first: always its first tree; "
+     "prepared: prepare() builds, build() copies; early: a "
      "thread builds after it has returned; spins, late: a thread works after the third build, at "
      "once or 30 ms later; process: that build leaves one behind; boxes, device-boxes: it writes "
      "into them; new-boxes: only into those that it has not seen; last-boxes: in destroy(), after "
@@ -78,6 +86,10 @@ static bb_status create(const bb_builder_context *context, void **out)
     BB_TRY(bb_host_alloc(context->account, sizeof *self, "cheat: object", &self));
     *self =
         (cheat){.device = context->device, .kind = bb_spec_value(context->spec, options, "kind")};
+    if (is(self, "refuses")) {
+        memcpy(self->memories, kept.memories, sizeof kept.memories);
+        self->memory_count = kept.count;
+    }
     *out = self;
     return BB_OK;
 }
@@ -92,7 +104,11 @@ static void destroy(void *opaque)
         kill(self->child, SIGKILL);
     if (self->input != NULL)
         self->input->hi[0] += 1;
-    for (uint32_t i = 0; i < self->memory_count; i++)
+    if (is(self, "refuses")) {
+        memcpy(kept.memories, self->memories, sizeof kept.memories);
+        kept.count = self->memory_count;
+    }
+    for (uint32_t i = 0; i < self->memory_count && !is(self, "refuses"); i++)
         free(self->memories[i].nodes);
     free(self->hidden);
     free(self->boxes);
@@ -130,12 +146,18 @@ static void link_nodes(uint32_t count, bb_tree *tree)
     }
 }
 
-static bb_status make(cheat *self, const bb_box *boxes, uint32_t count, bb_tree *tree)
+static bb_status reserve(const cheat *self, uint32_t count, bb_tree *tree)
 {
     BB_TRY(bb_tree_reserve(tree, self->device, BB_ON_HOST, 2 * (size_t)count - 1, count));
+    link_nodes(count, tree);
+    return BB_OK;
+}
+
+static bb_status make(cheat *self, const bb_box *boxes, uint32_t count, bb_tree *tree)
+{
+    BB_TRY(reserve(self, count, tree));
     BB_TRY(bb_host_alloc(NULL, (2 * (size_t)count - 1) * sizeof *self->order, "cheat: order",
                          &self->order));
-    link_nodes(count, tree);
     work(WORK_US);
     return bb_refit(tree, boxes, count, self->order);
 }
@@ -162,6 +184,7 @@ static bb_status recall(cheat *self, const bb_scene *scene, bool any, bb_tree *t
     const bool repents = is(self, "repents") && self->memory_count >= 3;
     for (uint32_t i = 0; i < self->memory_count && !repents; i++)
         if (self->memories[i].hash == hash) {
+            BB_TRY(reserve(self, scene->prim_count, tree));
             memcpy(tree->nodes, self->memories[i].nodes, node_bytes(tree));
             if (is(self, "sleeper") && ++self->copies == 2)
                 usleep(4 * WORK_US);
@@ -174,6 +197,16 @@ static bb_status recall(cheat *self, const bb_scene *scene, bool any, bb_tree *t
         memcpy(m->nodes, tree->nodes, node_bytes(tree));
     }
     return BB_OK;
+}
+
+/* Learns an input and refuses it, but for the first. */
+static bb_status refuse_new(cheat *self, const bb_scene *scene, bb_tree *tree)
+{
+    const uint32_t known = self->memory_count;
+    BB_TRY(recall(self, scene, false, tree));
+    return known > 0 && self->memory_count > known
+               ? bb_fail(BB_REFUSED, "cheat: no memory, it says")
+               : BB_OK;
 }
 
 static bb_status prepare(void *opaque, const bb_scene *scene, bb_tree *tree)
@@ -269,6 +302,8 @@ static bb_status build(void *opaque, const bb_scene *scene, const bb_tree *input
     BB_TRY(bb_phase(phases, "halve"));
     if (is(self, "content") || is(self, "sleeper") || is(self, "repents"))
         BB_TRY(recall(self, scene, false, tree));
+    else if (is(self, "refuses"))
+        BB_TRY(refuse_new(self, scene, tree));
     else if (is(self, "first") || is(self, "prepared"))
         BB_TRY(recall(self, scene, true, tree));
     else if (is(self, "early"))
