@@ -3,6 +3,8 @@
 #include "kernels/bb_shared.h"
 #include "tests/device_fixture.h"
 
+#include <dirent.h>
+#include <sched.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -189,6 +191,36 @@ static void refuses_before_the_driver_is_asked(void **state)
     void *host = NULL;
     assert_int_equal(bb_host_alloc(NULL, (size_t)1 << 62, "too much", &host), BB_REFUSED);
     assert_null(host);
+}
+
+/* Each of PoCL's threads has a core of its own: if two are woken on one, a launch takes twice as
+ * long. */
+static void threads_of_the_driver_keep_apart(void **state)
+{
+    (void)state;
+    cpu_set_t all, taken;
+    const struct dirent *entry;
+    int alone = 0;
+    if (strncmp(device->name, "pthread", 7) != 0 && strncmp(device->name, "cpu", 3) != 0)
+        skip();
+    assert_int_equal(sched_getaffinity(0, sizeof all, &all), 0);
+    if ((uint32_t)CPU_COUNT(&all) != bb_core_count() || !CPU_ISSET(bb_core_count() - 1, &all))
+        skip();
+    CPU_ZERO(&taken);
+    DIR *tasks = opendir("/proc/self/task");
+    assert_non_null(tasks);
+    while ((entry = readdir(tasks)) != NULL) {
+        cpu_set_t own;
+        const pid_t id = (pid_t)strtol(entry->d_name, NULL, 10);
+        if (id == 0 || sched_getaffinity(id, sizeof own, &own) != 0 || CPU_COUNT(&own) != 1)
+            continue;
+        alone++;
+        CPU_OR(&taken, &taken, &own);
+    }
+    closedir(tasks);
+    if (CPU_COUNT(&all) > 1)
+        assert_int_equal(alone, CPU_COUNT(&all));
+    assert_true(CPU_EQUAL(&taken, &all));
 }
 
 static void unknown_devices_are_refused(void **state)
@@ -471,6 +503,7 @@ int main(void)
         cmocka_unit_test(blocks_shrink),
         cmocka_unit_test(one_account_has_all),
         cmocka_unit_test(refuses_before_the_driver_is_asked),
+        cmocka_unit_test(threads_of_the_driver_keep_apart),
         cmocka_unit_test(unknown_devices_are_refused),
         cmocka_unit_test(a_system_without_sysfs_is_refused),
         cmocka_unit_test(build_errors_are_one_line),

@@ -6,6 +6,8 @@
 #include "framework/device/cl_error.h"
 #include "framework/device/handover.h"
 
+#include <sched.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -43,13 +45,30 @@ bb_status bb_device_check_system(const char *folder)
 
 enum { PLATFORMS_MAX = 16 };
 
-/* PoCL has a thread for each core of the machine, unless the environment says less. */
-static void limit_pocl(void)
+/* Whether this process may run on the processors 0 to count - 1, and on no others. */
+static bool has_first_processors(uint32_t count)
+{
+    cpu_set_t mine;
+    if (sched_getaffinity(0, sizeof mine, &mine) != 0 || (uint32_t)CPU_COUNT(&mine) != count)
+        return false;
+    for (uint32_t i = 0; i < count; i++)
+        if (!CPU_ISSET(i, &mine))
+            return false;
+    return true;
+}
+
+/* PoCL has a thread for each core of the machine, unless the environment says less. Those that
+ * sleep between launches are often woken on one core, and take twice as long, unless each keeps to
+ * its own; PoCL knows only the first cores. */
+static void steer_pocl(void)
 {
     char cores[16];
-    if (bb_core_count() >= (uint32_t)sysconf(_SC_NPROCESSORS_ONLN))
+    const uint32_t count = bb_core_count();
+    if (has_first_processors(count))
+        setenv("POCL_AFFINITY", "1", 0);
+    if (count >= (uint32_t)sysconf(_SC_NPROCESSORS_ONLN))
         return;
-    snprintf(cores, sizeof cores, "%u", bb_core_count());
+    snprintf(cores, sizeof cores, "%u", count);
     setenv("POCL_MAX_PTHREAD_COUNT", cores, 0); /* up to PoCL 4 */
     setenv("POCL_CPU_MAX_CU_COUNT", cores, 0);
 }
@@ -58,7 +77,7 @@ static void limit_pocl(void)
 static cl_uint find_platforms(cl_platform_id platforms[PLATFORMS_MAX])
 {
     cl_uint count = 0;
-    limit_pocl();
+    steer_pocl();
     if (clGetPlatformIDs(PLATFORMS_MAX, platforms, &count) != CL_SUCCESS)
         return 0;
     return count < PLATFORMS_MAX ? count : PLATFORMS_MAX;
