@@ -245,7 +245,7 @@ static void a_document_is_fitted_by_kind_of_rays(void **state)
     ASSERT_OK(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &summary));
     const char *said = "";
     for (uint32_t i = 0; i < summary.sentence_count; i++)
-        if (strcmp(summary.sentences[i].label, "SAH and EPO") == 0)
+        if (strcmp(summary.sentences[i].label, "Trees to speed") == 0)
             said = summary.sentences[i].text;
     if (strstr(said, "a = 0.30 (0.30 to 0.30) for primary, a = 0.80") == NULL)
         fail_msg("'%s'", said);

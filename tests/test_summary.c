@@ -180,6 +180,31 @@ static void ties_are_what_rounds_cannot_tell(void **state)
     bb_results_destroy(results);
 }
 
+/* What other tracers lose is said of them, not of the builders. */
+static void wrong_answers_of_tracers_are_theirs(void **state)
+{
+    (void)state;
+    bb_results *d = three_builders();
+    const traced t = {.scene = "a",
+                      .builder = "peer",
+                      .rays = "random",
+                      .kernel = "own",
+                      .intersector = "own",
+                      .ms = 100,
+                      .wrong_ppm = 3,
+                      .reference = true};
+    add_build(d, t.scene, t.builder, 100, true);
+    add_trace(d, &t);
+    bb_results *results = read_back(d);
+    bb_summary s;
+    assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
+    expect_words(&s, "Other tracers", "peer got 3 of 1 M wrong");
+    expect_words(&s, "Right answers", "no wrong one in ");
+    assert_null(strstr(sentence_of(&s, "Right answers"), "peer"));
+    bb_summary_free(&s);
+    bb_results_destroy(results);
+}
+
 /* A builder whose answers are wrong on some rays has no rank by them, and is named. */
 static void wrong_answers_win_nothing(void **state)
 {
@@ -467,16 +492,17 @@ static void a_busy_machine_is_said(void **state)
 static void long_names_are_shortened(void **state)
 {
     (void)state;
+#define LONG "tree:quality=medium,mode=robust,query=stream"
     bb_results *d = empty_document();
     add_scene(d, "a", 1e6);
-    add_build(d, "a", "tree:quality=medium,mode=robust", 10, false);
+    add_build(d, "a", LONG, 10, false);
     add_build(d, "a", "a-tree-with-a-name-that-is-much-too-long-for-a-column", 10, false);
     bb_results *results = read_back(d);
     bb_summary s;
     assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
-    assert_string_equal(row_of(&s, "tree:quality=medium,mode=robust")->name, "tree:medium,robust");
+    assert_string_equal(row_of(&s, LONG)->name, "tree:medium,robust,stream");
     for (uint32_t i = 0; i < s.row_count; i++)
-        assert_true(strlen(s.rows[i].name) <= 27);
+        assert_true(strlen(s.rows[i].name) <= 32);
     bb_summary_free(&s);
     bb_results_destroy(results);
 }
@@ -506,6 +532,7 @@ static void the_fastest_reference_is_named(void **state)
     expect_words(&s, "Fastest of Embree", "on 1 of 2 ray sets, ");
     expect_words(&s, "Fastest of Embree", "packets");
     expect_words(&s, "Other tracers", "the fastest, traces ");
+    expect_words(&s, "Other tracers", "; none of their 4 M answers was wrong");
     bb_summary_free(&s);
     assert_int_equal(bb_summary_make(results, &(bb_summary_choice){"a", NULL}, &s), BB_OK);
     assert_int_equal(row_of(&s, "embree-native:query=packets")->yardstick, 1);
@@ -568,14 +595,14 @@ static void work_outside_the_clock_wins_nothing_by_builds(void **state)
         assert_true(!fast->curve_first[0]);
         assert_null(strstr(sentence_of(&s, "Fastest build"), "fast"));
         assert_null(strstr(sentence_of(&s, "Fastest image"), "fast"));
-        expect_words(&s, "Outside the clock", "fast works 0.20x as long as its build");
+        expect_words(&s, "Not clocked", "with each build fast does other work for 0.20x its time");
         bb_summary_free(&s);
         bb_results_destroy(results);
     }
     bb_results *results = with_untimed(0.09, BB_F_BUILD_RESTORE_MS);
     assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
     assert_true(!row_of(&s, "fast")->leaves_out && row_of(&s, "fast")->build.best);
-    assert_string_equal(sentence_of(&s, "Outside the clock"), "");
+    assert_string_equal(sentence_of(&s, "Not clocked"), "");
     bb_summary_free(&s);
     bb_results_destroy(results);
 }
@@ -585,6 +612,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(means_are_geometric_and_over_all_sets),
         cmocka_unit_test(ties_are_what_rounds_cannot_tell),
+        cmocka_unit_test(wrong_answers_of_tracers_are_theirs),
         cmocka_unit_test(wrong_answers_win_nothing),
         cmocka_unit_test(unlike_and_failed_cells_are_counted),
         cmocka_unit_test(the_page_gets_the_same_figures),

@@ -53,7 +53,7 @@ static bb_standing stand_as_rate(const bb_summary_view *v, uint32_t e, uint32_t 
 /* Shortens "name:key=value,key=value" for tables: drops the keys, and cuts the rest if need be. */
 static void shorten(const char *text, double run, char name[BB_SUMMARY_NAME])
 {
-    enum { ROOM = 27 };
+    enum { ROOM = 32 }; /* "embree-native:high,fast,packet16" */
     char whole[BB_SUMMARY_NAME * 4];
     size_t length = 0;
     snprintf(whole, sizeof whole, "%.240s", text);

@@ -113,9 +113,8 @@ static void say_yardsticks(bb_summary *s)
     }
 }
 
-/* Says how much slower other tracers are than the fastest builder; "Right answers" has the rays
- * that they lose. */
-static void say_tracers(bb_summary *s)
+/* How fast the fastest of them is, beside the fastest builder. */
+static void say_speed_of_tracers(bb_summary *s, bb_sentence *sentence)
 {
     const bb_summary_row *fastest = NULL;
     const double best = s->builder_count > 0 ? s->rows[0].trace.value : (double)NAN;
@@ -126,11 +125,28 @@ static void say_tracers(bb_summary *s)
             (fastest == NULL || row->trace.value > fastest->trace.value))
             fastest = row;
     }
-    if (!isfinite(best) || fastest == NULL)
+    if (isfinite(best) && fastest != NULL)
+        say(sentence, "%s, the fastest, traces %s as fast as %s; ", fastest->name,
+            times_text(fastest->trace.value / best, text), s->rows[0].name);
+}
+
+static void say_tracers(bb_summary *s)
+{
+    double checked = 0;
+    uint32_t named = 0;
+    char text[32];
+    for (uint32_t i = s->builder_count; i < s->row_count; i++)
+        checked += isfinite(s->rows[i].checked) ? s->rows[i].checked : 0;
+    if (!(checked > 0))
         return;
     bb_sentence *sentence = begin(s, "Other tracers");
-    say(sentence, "%s, the fastest, traces %s as fast as %s", fastest->name,
-        times_text(fastest->trace.value / best, text), s->rows[0].name);
+    say_speed_of_tracers(s, sentence);
+    for (uint32_t i = s->builder_count; i < s->row_count; i++)
+        if (s->rows[i].wrong > 0)
+            say(sentence, "%s%s got %.0f of %s wrong", named++ > 0 ? ", " : "", s->rows[i].name,
+                s->rows[i].wrong, rays_text(s->rows[i].checked, text));
+    if (named == 0)
+        say(sentence, "none of their %s answers was wrong", rays_text(checked, text));
 }
 
 /* Returns the figure of a row by which rows are compared. */
@@ -196,7 +212,7 @@ static void say_builds(bb_summary *s)
         say(sentence, ", %s %s", times_text(rate / last->build.value, text), last->name);
 }
 
-/* Says who works outside the clock, and how much. */
+/* Says whose builds leave out work that recurs with each, and how much. */
 static void say_untimed(bb_summary *s)
 {
     bb_sentence *sentence = NULL;
@@ -205,9 +221,9 @@ static void say_untimed(bb_summary *s)
         if (!s->rows[i].leaves_out)
             continue;
         const bool first = sentence == NULL;
-        sentence = first ? begin(s, "Outside the clock") : sentence;
-        say(sentence, "%s%s works %s as long as its build", first ? "" : ", ", s->rows[i].name,
-            times_text(s->rows[i].untimed, text));
+        sentence = first ? begin(s, "Not clocked") : sentence;
+        say(sentence, first ? "with each build %s does other work for %s its time" : ", %s for %s",
+            s->rows[i].name, times_text(s->rows[i].untimed, text));
     }
 }
 
@@ -286,10 +302,6 @@ static void say_answers(bb_summary *s)
         say(sentence, "; %u builders %s and have no rank", partial,
             s->sets_differ ? "were not traced with the same rays: size or seed differ,"
                            : "lack scenes or rays");
-    for (uint32_t i = s->builder_count; i < s->row_count; i++)
-        if (s->rows[i].wrong > 0)
-            say(sentence, "; %s lost %.0f of %s", s->rows[i].name, s->rows[i].wrong,
-                rays_text(s->rows[i].checked, text));
 }
 
 static void say_accuracy(bb_summary *s)
@@ -317,15 +329,15 @@ static void say_accuracy(bb_summary *s)
 void bb_summary_say(bb_summary *summary)
 {
     say_traces(summary);
-    if (summary->reference != NULL)
-        say_yardsticks(summary);
-    say_tracers(summary);
-    say_builds(summary);
-    say_untimed(summary);
-    say_crossings(summary);
+    say_answers(summary);
     say_image_at(summary, 1, "For 1 M rays");
     say_image_at(summary, 4, "For 1 G rays");
-    say_answers(summary);
+    say_crossings(summary);
+    say_builds(summary);
+    say_tracers(summary);
+    if (summary->reference != NULL)
+        say_yardsticks(summary);
+    say_untimed(summary);
     say_accuracy(summary);
 }
 
@@ -354,8 +366,8 @@ static const double telling_correlation = 0.7;
 static void say_mixes(bb_summary *summary, const bb_prediction_record *const *told, uint32_t count)
 {
     error_range mix = {INFINITY, 0}, sah = mix, work = mix;
-    bb_sentence *sentence = begin(summary, "SAH and EPO");
-    say(sentence, "time per ray goes as (1 - a) SAH + a EPO:");
+    bb_sentence *sentence = begin(summary, "Trees to speed");
+    say(sentence, "SAH and overlap (EPO) foretell the time per ray as (1 - a) SAH + a EPO:");
     for (uint32_t i = 0; i < count; i++) {
         const bb_prediction_record *r = told[i];
         say(sentence, "%s a = %.2f (%.2f to %.2f) for %.40s", i > 0 ? "," : "", r->alpha,
@@ -372,8 +384,8 @@ static void say_mixes(bb_summary *summary, const bb_prediction_record *const *to
 static void say_untold(bb_summary *summary, const bb_prediction_record *const *untold,
                        uint32_t count)
 {
-    bb_sentence *sentence = begin(summary, "SAH and EPO");
-    say(sentence, "no mix of the two tells the time per ray of");
+    bb_sentence *sentence = begin(summary, "Trees to speed");
+    say(sentence, "no mix of SAH and overlap (EPO) foretells the time per ray of");
     for (uint32_t i = 0; i < count; i++)
         say(sentence, "%s %.40s (correlation %.2f)", i > 0 ? "," : "", untold[i]->rays,
             untold[i]->mix_correlation);

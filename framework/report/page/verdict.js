@@ -80,7 +80,7 @@ function drawBars(summary) {
     'build, layout and rays, by the best builder: 1.00 is best; longer bars are faster', row => row.image[k], least, false);
   const sah = schema.metrics.find(m => m.of_layouts).title;
   $('verdict-bars').replaceChildren();
-  addTable($('verdict-bars'), 'Builders, the fastest trace first. Press a heading to sort.', [
+  addTable($('verdict-bars'), 'Builders, the fastest trace first. Longer bars are better. Press a heading to sort.', [
     { name: 'Builder', value: nameOf, text: nameOf, node: row => builderCell(summary, row) },
     barColumn(rows, `Trace speed, of ${summary.reference || 'the best'}`,
               'geometric mean over the ray sets; a line at the left: this run cannot tell them apart', row => row.trace, most, true,
