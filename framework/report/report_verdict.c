@@ -19,7 +19,7 @@ static const struct {
 } columns[] = {
     {"build\nM/s", offsetof(bb_summary_row, build), false, 2},
     {"with\nlayout", offsetof(bb_summary_row, ready), false, 2},
-    {"0.1 M\nrays", offsetof(bb_summary_row, image[0]), false, 2},
+    {"0.1 M\nrays", offsetof(bb_summary_row, image[0]), true, 2},
     {"1 M\nrays", offsetof(bb_summary_row, image[1]), false, 2},
     {"10 M\nrays", offsetof(bb_summary_row, image[2]), true, 2},
     {"100 M\nrays", offsetof(bb_summary_row, image[3]), false, 2},
