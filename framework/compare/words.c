@@ -130,23 +130,34 @@ static void say_speed_of_tracers(bb_summary *s, bb_sentence *sentence)
             times_text(fastest->trace.value / best, text), s->rows[0].name);
 }
 
+static double wrong_of_a_million(const bb_summary_row *row)
+{
+    return 1e6 * row->wrong / row->checked;
+}
+
 static void say_tracers(bb_summary *s)
 {
-    double checked = 0;
-    uint32_t named = 0;
-    char text[32];
-    for (uint32_t i = s->builder_count; i < s->row_count; i++)
-        checked += isfinite(s->rows[i].checked) ? s->rows[i].checked : 0;
-    if (!(checked > 0))
+    const bb_summary_row *least = NULL, *most = NULL;
+    for (uint32_t i = s->builder_count; i < s->row_count; i++) {
+        const bb_summary_row *row = &s->rows[i];
+        if (!(row->checked > 0) || !isfinite(row->wrong))
+            continue;
+        least = least == NULL || wrong_of_a_million(row) < wrong_of_a_million(least) ? row : least;
+        most = most == NULL || wrong_of_a_million(row) > wrong_of_a_million(most) ? row : most;
+    }
+    if (most == NULL)
         return;
     bb_sentence *sentence = begin(s, "Other tracers");
     say_speed_of_tracers(s, sentence);
-    for (uint32_t i = s->builder_count; i < s->row_count; i++)
-        if (s->rows[i].wrong > 0)
-            say(sentence, "%s%s got %.0f of %s wrong", named++ > 0 ? ", " : "", s->rows[i].name,
-                s->rows[i].wrong, rays_text(s->rows[i].checked, text));
-    if (named == 0)
-        say(sentence, "none of their %s answers was wrong", rays_text(checked, text));
+    const double from = wrong_of_a_million(least), to = wrong_of_a_million(most);
+    char texts[2][32];
+    if (most->wrong == 0)
+        say(sentence, "none of their answers was wrong");
+    else if (from == to)
+        say(sentence, "of a million rays they get %s wrong", rays_text(to, texts[1]));
+    else
+        say(sentence, "of a million rays they get %s (%s) to %s (%s) wrong",
+            rays_text(from, texts[0]), least->name, rays_text(to, texts[1]), most->name);
 }
 
 /* Returns the figure of a row by which rows are compared. */
