@@ -126,7 +126,7 @@ static void say_speed_of_tracers(bb_summary *s, bb_sentence *sentence)
             fastest = row;
     }
     if (isfinite(best) && fastest != NULL)
-        say(sentence, "%s, the fastest, traces %s as fast as %s; ", fastest->name,
+        say(sentence, "%s, the fastest on all ray sets, traces %s as fast as %s; ", fastest->name,
             times_text(fastest->trace.value / best, text), s->rows[0].name);
 }
 

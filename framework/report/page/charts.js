@@ -23,7 +23,7 @@ function cellLines(c) {
     lines.push(`${figure(t.node_tests_per_ray)} box and ${figure(t.prim_tests_per_ray)} primitive tests per ray: work ` +
                figure(t.work_per_ray));
   if (isNumber(b.build_ms_median))
-    lines.push(`built in ${figure(b.build_ms_median)} ms (${figure(b.mprims_s)} Mprims/s)${b.untimed_ms > 0 ? `, and ${figure(b.untimed_ms)} ms outside the clock` : ''}` +
+    lines.push(`built in ${figure(b.build_ms_median)} ms (${figure(b.mprims_s)} Mprims/s)${b.untimed_ms > 0 ? `, and ${figure(b.untimed_ms)} ms not clocked` : ''}` +
                metrics.filter(m => isNumber(c.metrics[m.name])).map(m => `, ${m.title} ${figure(c.metrics[m.name])}`).join(''));
   if (isNumber(c.total)) lines.push(`build, layout and all ${brief(c.rays)} rays: ${figure(c.total)} ms`);
   return lines;

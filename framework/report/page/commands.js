@@ -73,5 +73,5 @@ function copyButton(name, text, title) {
 }
 
 /* A column of them; its texts are the commands. */
-const commandColumn = command => ({ name: 'Again', title: 'the command that measures this row again', minor: true, text: command,
+const commandColumn = command => ({ name: 'Repeat', title: 'the command that measures this row again', minor: true, text: command,
   node: row => el('td', { class: 'minor' }, command(row) ? copyButton('copy', () => command(row), command(row)) : dash) });

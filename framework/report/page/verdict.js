@@ -47,7 +47,7 @@ function builderCell(summary, row) {
   const note = words => el('span', { class: 'note' }, words);
   return el('th', { scope: 'row' }, ...breakable(nameOf(row)), ...paperLinks(row.builder), row.reference ? note('\u00a0tracer') : null,
     row.partial && !row.reference ? note(` no rank: ${row.sets} of ${plural(summary.sets, 'ray set')}`) : null,
-    row.leaves_out ? note(` build not ranked: ${ratio(row.untimed)}x of it outside the clock`) : null);
+    row.leaves_out ? note(` build not ranked: ${ratio(row.untimed)}x its time is not clocked`) : null);
 }
 
 /* The traces that the choice is about; and of these the ones that rank: with `exact` on rays that most builders traced. */
@@ -76,20 +76,20 @@ const plainColumn = (name, title, get, text, css) => ({ name, title, number: tru
 const verdictState = { column: -1, down: false, words: [], odd: false };
 function drawBars(summary) {
   const { rows } = summary, most = (value, all) => value / Math.max(...all), least = (value, all) => Math.min(...all) / value;
-  const time = (k, rays) => barColumn(rows, `Time for ${rays} rays`,
+  const time = (k, rays) => barColumn(rows, `Time for ${rays} rays / best`,
     'build, layout and rays, by the best builder: 1.00 is best; longer bars are faster', row => row.image[k], least, false);
   const sah = schema.metrics.find(m => m.of_layouts).title;
   $('verdict-bars').replaceChildren();
-  addTable($('verdict-bars'), 'Builders, the fastest trace first. Longer bars are better. Press a heading to sort.', [
+  addTable($('verdict-bars'), 'Builders, the fastest trace first, then other tracers in italics; only a builder can be “best”. Longer bars are better. Press a heading to sort.', [
     { name: 'Builder', value: nameOf, text: nameOf, node: row => builderCell(summary, row) },
-    barColumn(rows, `Trace speed, of ${summary.reference || 'the best'}`,
+    barColumn(rows, `Trace speed / ${summary.reference || 'best'}`,
               'geometric mean over the ray sets; a line at the left: this run cannot tell them apart', row => row.trace, most, true,
               row => tieClass(rows, rows.indexOf(row))),
     barColumn(rows, 'Build, Mprims/s', 'geometric mean over the scenes; bars are logarithmic', row => row.build, logShare, true),
     barColumn(rows, '+ layout, Mprims/s', 'build and layout of the kernel that is fastest most often: what the first ray waits for; bars are logarithmic',
               row => row.ready, logShare, true),
     time(1, '1 M'), time(4, '1 G'),
-    plainColumn(`${sah}, of the best`, 'expected cost of random rays through the tree, by the least', row => row.quality.value,
+    plainColumn(`${sah} / best`, 'expected cost of random rays through the tree, by the least', row => row.quality.value,
                 row => standingText(row.quality), row => row.quality.best ? 'best' : null),
     plainColumn('Tree', 'bytes of the tree, in the scene where it takes most', row => row.tree, row => bytes(row.tree)),
     plainColumn('Peak', 'bytes of the tree and all scratch memory, in the scene where they are most', row => row.peak, row => bytes(row.peak)),
