@@ -139,14 +139,19 @@ static void test_what_compiling_took(void **state)
     assert_true(after.ms >= 4000);
     assert_string_equal(after.cache, "cold");
 
-    slower = 0; /* what takes as long each time came from the cache, or there is none */
-    bb_programs_clear(device);
-    ASSERT_OK(bb_program_build(device, bb_source_find("scan_cpu.cl"), "-DBB_TOOK", &program));
-    bb_program_release(program);
-    ASSERT_OK(bb_program_build(device, bb_source_find("scan_cpu.cl"), "-DBB_TOOK", &program));
-    bb_program_release(program);
-    bb_programs_measure(device, &after);
-    assert_int_equal(after.programs, 1);
+    /* What takes as long each time came from the cache, or there is none. Where another program takes
+     * the processor, one of the two takes longer: three tries. */
+    slower = 0;
+    for (int i = 0; i < 3 && strcmp(after.cache, "warm") != 0; i++) {
+        bb_programs_clear(device);
+        for (int twice = 0; twice < 2; twice++) {
+            ASSERT_OK(
+                bb_program_build(device, bb_source_find("scan_cpu.cl"), "-DBB_TOOK", &program));
+            bb_program_release(program);
+        }
+        bb_programs_measure(device, &after);
+        assert_int_equal(after.programs, 1);
+    }
     assert_string_equal(after.cache, "warm");
 }
 
