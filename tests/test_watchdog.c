@@ -139,8 +139,8 @@ static void test_what_compiling_took(void **state)
     assert_true(after.ms >= 4000);
     assert_string_equal(after.cache, "cold");
 
-    /* What takes as long each time came from the cache, or there is none. Where another program takes
-     * the processor, one of the two takes longer: three tries. */
+    /* What takes as long each time came from the cache, or there is none. Where another program
+     * takes the processor, one of the two takes longer: three tries. */
     slower = 0;
     for (int i = 0; i < 3 && strcmp(after.cache, "warm") != 0; i++) {
         bb_programs_clear(device);
