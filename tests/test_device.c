@@ -202,10 +202,10 @@ static void threads_of_the_driver_keep_apart(void **state)
     const struct dirent *entry;
     int alone = 0;
     if (strncmp(device->name, "pthread", 7) != 0 && strncmp(device->name, "cpu", 3) != 0)
-        skip();
+        skip(); /* not PoCL */
     assert_int_equal(sched_getaffinity(0, sizeof all, &all), 0);
     if ((uint32_t)CPU_COUNT(&all) != bb_core_count() || !CPU_ISSET(bb_core_count() - 1, &all))
-        skip();
+        skip(); /* not all cores may be used */
     CPU_ZERO(&taken);
     DIR *tasks = opendir("/proc/self/task");
     assert_non_null(tasks);

@@ -3,12 +3,9 @@
 #include "tests/program_fixture.h"
 
 #define LACKING(variables) variables " LD_PRELOAD=" BB_TEST_LACKING
-#define ONE(quality) "embree-native:mode=fast,quality=" quality
-#define RUN(quality)                                                                               \
-    "run --scene cube --builder lbvh," ONE(quality) ",query=packet8," ONE(                         \
-        quality) ",query=packet4," ONE(quality) " --kernel stack --rays primary --size 16x16 "     \
-                                                "--repeats 3 "                                     \
-                                                "--seed 1 --no-pictures --charts no --out out"
+#define REFERENCE(quality) "embree-native:mode=fast,quality=" quality
+#define REFERENCES(quality)                                                                        \
+    REFERENCE(quality) ",query=packet8," REFERENCE(quality) ",query=packet4," REFERENCE(quality)
 
 enum { QUERIES = 3 };
 
@@ -35,8 +32,13 @@ static const char *text(const cJSON *build, const char *name)
     return value != NULL ? value : "";
 }
 
-static cJSON *results_of(const char *before, const char *command, int exit_status)
+static cJSON *results_of(const char *before, const char *references, int exit_status)
 {
+    char command[512];
+    snprintf(command, sizeof command,
+             "run --scene cube --builder lbvh,%s --kernel stack --rays primary --size 16x16 "
+             "--repeats 3 --seed 1 --no-pictures --charts no --out out",
+             references);
     const outcome *o = run_with(before, command);
     if (o->exit_status != exit_status)
         fail_msg("%s: exit %d: %s", before, o->exit_status, o->err);
@@ -56,7 +58,7 @@ static void expect_same_times(const cJSON *results, int first)
 static void a_query_that_is_lacking_is_lacking_alone(void **state)
 {
     (void)state;
-    cJSON *results = results_of(LACKING("LACKING_RAY8=1"), RUN("low"), 0);
+    cJSON *results = results_of(LACKING("LACKING_RAY8=1"), REFERENCES("low"), 0);
     assert_string_equal(text(reference(results, suffixes[0]), "status"), "unsupported");
     for (int i = 1; i < QUERIES; i++)
         assert_string_equal(text(reference(results, suffixes[i]), "status"), "ok");
@@ -70,7 +72,7 @@ static void a_failed_build_is_that_of_all_who_share(void **state)
     static const char *const failures[] = {LACKING("LACKING_FAILS=1"), LACKING("LACKING_FAILS=3"),
                                            LACKING("LACKING_FAILS=2 LACKING_RAY8=1")};
     for (size_t f = 0; f < sizeof failures / sizeof failures[0]; f++) {
-        cJSON *results = results_of(failures[f], RUN("low"), 1);
+        cJSON *results = results_of(failures[f], REFERENCES("low"), 1);
         for (int i = 0; i < QUERIES; i++) {
             const cJSON *build = reference(results, suffixes[i]);
             assert_string_equal(text(build, "status"), "failed");
@@ -80,9 +82,9 @@ static void a_failed_build_is_that_of_all_who_share(void **state)
     }
 }
 
-static void expect_interrupted(const char *command)
+static void expect_interrupted(const char *references)
 {
-    cJSON *results = results_of(LACKING("LACKING_INTERRUPTS=3"), command, 130);
+    cJSON *results = results_of(LACKING("LACKING_INTERRUPTS=3"), references, 130);
     assert_true(
         cJSON_IsTrue(cJSON_GetObjectItem(cJSON_GetObjectItem(results, "context"), "interrupted")));
     for (int i = 0; i < QUERIES; i++)
@@ -94,7 +96,7 @@ static void expect_interrupted(const char *command)
 static void an_interrupted_build_is_that_of_all_who_share(void **state)
 {
     (void)state;
-    expect_interrupted(RUN("medium"));
+    expect_interrupted(REFERENCES("medium"));
 }
 
 /* Embree's builder for quality low crashed in one of three builds that were ended. */
@@ -102,7 +104,7 @@ static void a_build_that_embree_cannot_end_is_not_ended(void **state)
 {
     (void)state;
     for (int run = 0; run < 8; run++)
-        expect_interrupted(RUN("low"));
+        expect_interrupted(REFERENCES("low"));
 }
 
 int main(void)

@@ -120,13 +120,20 @@ static bb_results *three_builders(void)
     return d;
 }
 
+/* The summary of all of a document, which it takes over; returns its results. */
+static bb_results *summary_of(bb_results *document, bb_summary *s)
+{
+    bb_results *results = read_back(document);
+    ASSERT_OK(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, s));
+    return results;
+}
+
 static void means_are_geometric_and_over_all_sets(void **state)
 {
     (void)state;
     bb_results *d = three_builders();
-    bb_results *results = read_back(d);
     bb_summary s;
-    assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
+    bb_results *results = summary_of(d, &s);
     assert_int_equal(s.builder_count, 3);
     assert_int_equal(s.row_count, 4);
     assert_int_equal(s.scenes, 2);
@@ -166,9 +173,8 @@ static void ties_are_what_rounds_cannot_tell(void **state)
 {
     (void)state;
     bb_results *d = three_builders();
-    bb_results *results = read_back(d);
     bb_summary s;
-    assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
+    bb_results *results = summary_of(d, &s);
     const bb_summary_row *slow = row_of(&s, "slow"), *alike = row_of(&s, "alike");
     assert_int_equal(slow->group, 0);
     assert_int_equal(alike->group, 0);
@@ -195,9 +201,8 @@ static void wrong_answers_of_tracers_are_theirs(void **state)
                       .reference = true};
     add_build(d, t.scene, t.builder, 100, true);
     add_trace(d, &t);
-    bb_results *results = read_back(d);
     bb_summary s;
-    assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
+    bb_results *results = summary_of(d, &s);
     expect_words(&s, "Other tracers", "of a million rays they get 0 (");
     expect_words(&s, "Other tracers", ") to 3 (peer) wrong");
     expect_words(&s, "Right answers", "no wrong one in ");
@@ -219,9 +224,8 @@ static void wrong_answers_win_nothing(void **state)
                       .ms = 1,
                       .wrong_ppm = 3};
     add_trace(d, &t);
-    bb_results *results = read_back(d);
     bb_summary s;
-    assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
+    bb_results *results = summary_of(d, &s);
     assert_near(row_of(&s, "fast")->trace.value, 0.5);
     assert_true(row_of(&s, "fast")->wrong == 3);
     expect_words(&s, "Right answers", "WRONG: fast lost 3 of 5 M rays");
@@ -247,9 +251,8 @@ static void the_page_gets_the_same_figures(void **state)
         bb_table_set_number(d->table, build->row, bb_metric_column(&bb_metric_sah, false),
                             bytes / 7);
     }
-    bb_results *results = read_back(d);
     bb_summary s;
-    assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
+    bb_results *results = summary_of(d, &s);
     char *text = bb_summary_json(results);
     cJSON *page = cJSON_Parse(text), *choices = cJSON_GetObjectItem(page, "choices");
     assert_int_equal(cJSON_GetArraySize(choices), 3 * 2);
@@ -307,9 +310,8 @@ static void unlike_and_failed_cells_are_counted(void **state)
                  .intersector = "exact",
                  .ms = 1};
     bb_put_text(add_trace(d, &t), BB_F_TRACE_STATUS, "failed");
-    bb_results *results = read_back(d);
     bb_summary s;
-    assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
+    bb_results *results = summary_of(d, &s);
     assert_near(row_of(&s, "fast")->trace.value, 0.5);
     assert_true(row_of(&s, "fast")->wrong == 2);
     assert_int_equal(row_of(&s, "slow")->failed, 1);
@@ -336,9 +338,8 @@ static void lonely_sets_are_left_aside(void **state)
     t.wrong_ppm = 40;
     t.ms = 0.5;
     add_trace(d, &t);
-    bb_results *results = read_back(d);
     bb_summary s;
-    assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
+    bb_results *results = summary_of(d, &s);
     assert_int_equal(s.sets, 2);
     assert_int_equal(s.sets_aside, 1);
     assert_near(row_of(&s, "slow")->trace.value, sqrt(2));
@@ -366,9 +367,8 @@ static void who_traced_no_common_rays_has_no_row(void **state)
                           .ms = 1};
         add_build(d, "a", t.builder, 10, false);
         add_trace(d, &t);
-        bb_results *results = read_back(d);
         bb_summary s;
-        assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
+        bb_results *results = summary_of(d, &s);
         assert_int_equal(s.builder_count, 3 + wrong);
         assert_int_equal(s.row_count, 4 + wrong);
         if (wrong != 0)
@@ -427,9 +427,8 @@ static void what_is_partial_has_no_rank(void **state)
             else if (b == 2 || s == 1)
                 add_trace(d, &t);
         }
-    bb_results *results = read_back(d);
     bb_summary s;
-    assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
+    bb_results *results = summary_of(d, &s);
     assert_int_equal(s.builder_count, 6);
     const bb_summary_row *lucky = row_of(&s, "lucky"), *failing = row_of(&s, "failing");
     assert_true(lucky->partial && !lucky->trace.best && !lucky->build.best);
@@ -493,15 +492,14 @@ static void a_busy_machine_is_said(void **state)
 static void long_names_are_shortened(void **state)
 {
     (void)state;
-#define LONG "tree:quality=medium,mode=robust,query=stream"
+    static const char of_options[] = "tree:quality=medium,mode=robust,query=stream";
     bb_results *d = empty_document();
     add_scene(d, "a", 1e6);
-    add_build(d, "a", LONG, 10, false);
+    add_build(d, "a", of_options, 10, false);
     add_build(d, "a", "a-tree-with-a-name-that-is-much-too-long-for-a-column", 10, false);
-    bb_results *results = read_back(d);
     bb_summary s;
-    assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
-    assert_string_equal(row_of(&s, LONG)->name, "tree:medium,robust,stream");
+    bb_results *results = summary_of(d, &s);
+    assert_string_equal(row_of(&s, of_options)->name, "tree:medium,robust,stream");
     for (uint32_t i = 0; i < s.row_count; i++)
         assert_true(strlen(s.rows[i].name) <= 32);
     bb_summary_free(&s);
@@ -524,9 +522,8 @@ static void the_fastest_reference_is_named(void **state)
         add_build(d, t.scene, t.builder, 100, true);
         add_trace(d, &t);
     }
-    bb_results *results = read_back(d);
     bb_summary s;
-    assert_int_equal(bb_summary_make(results, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
+    bb_results *results = summary_of(d, &s);
     assert_near(row_of(&s, "slow")->trace.value, sqrt(0.5 * 2.0));
     assert_int_equal(row_of(&s, "embree-native:query=packets")->yardstick, 1);
     assert_int_equal(row_of(&s, "embree-native:mode=fast")->yardstick, 1);

@@ -113,51 +113,51 @@ static void say_yardsticks(bb_summary *s)
     }
 }
 
-/* How fast the fastest of them is, beside the fastest builder. */
-static void say_speed_of_tracers(bb_summary *s, bb_sentence *sentence)
-{
-    const bb_summary_row *fastest = NULL;
-    const double best = s->builder_count > 0 ? s->rows[0].trace.value : (double)NAN;
-    char text[32];
-    for (uint32_t i = s->builder_count; i < s->row_count; i++) {
-        const bb_summary_row *row = &s->rows[i];
-        if (isfinite(row->trace.value) && !row->partial &&
-            (fastest == NULL || row->trace.value > fastest->trace.value))
-            fastest = row;
-    }
-    if (isfinite(best) && fastest != NULL)
-        say(sentence, "%s, the fastest on all ray sets, traces %s as fast as %s; ", fastest->name,
-            times_text(fastest->trace.value / best, text), s->rows[0].name);
-}
-
 static double wrong_of_a_million(const bb_summary_row *row)
 {
     return 1e6 * row->wrong / row->checked;
 }
 
-static void say_tracers(bb_summary *s)
+static void say_wrong_of_tracers(bb_sentence *sentence, const bb_summary_row *least,
+                                 const bb_summary_row *most)
 {
-    const bb_summary_row *least = NULL, *most = NULL;
-    for (uint32_t i = s->builder_count; i < s->row_count; i++) {
-        const bb_summary_row *row = &s->rows[i];
-        if (!(row->checked > 0) || !isfinite(row->wrong))
-            continue;
-        least = least == NULL || wrong_of_a_million(row) < wrong_of_a_million(least) ? row : least;
-        most = most == NULL || wrong_of_a_million(row) > wrong_of_a_million(most) ? row : most;
-    }
-    if (most == NULL)
-        return;
-    bb_sentence *sentence = begin(s, "Other tracers");
-    say_speed_of_tracers(s, sentence);
     const double from = wrong_of_a_million(least), to = wrong_of_a_million(most);
     char texts[2][32];
-    if (most->wrong == 0)
+    if (to == 0)
         say(sentence, "none of their answers was wrong");
     else if (from == to)
         say(sentence, "of a million rays they get %s wrong", rays_text(to, texts[1]));
     else
         say(sentence, "of a million rays they get %s (%s) to %s (%s) wrong",
             rays_text(from, texts[0]), least->name, rays_text(to, texts[1]), most->name);
+}
+
+/* Says how fast the fastest of the other tracers is, beside the fastest builder, and what they get
+ * wrong. */
+static void say_tracers(bb_summary *s)
+{
+    const bb_summary_row *fastest = NULL, *least = NULL, *most = NULL;
+    const double best = s->builder_count > 0 ? s->rows[0].trace.value : (double)NAN;
+    char text[32];
+    for (uint32_t i = s->builder_count; i < s->row_count; i++) {
+        const bb_summary_row *row = &s->rows[i];
+        if (isfinite(best) && isfinite(row->trace.value) && !row->partial &&
+            (fastest == NULL || row->trace.value > fastest->trace.value))
+            fastest = row;
+        if (!(row->checked > 0) || !isfinite(row->wrong))
+            continue;
+        least = least == NULL || wrong_of_a_million(row) < wrong_of_a_million(least) ? row : least;
+        most = most == NULL || wrong_of_a_million(row) > wrong_of_a_million(most) ? row : most;
+    }
+    if (fastest == NULL && most == NULL)
+        return;
+    bb_sentence *sentence = begin(s, "Other tracers");
+    if (fastest != NULL)
+        say(sentence, "%s, the fastest on all ray sets, traces %s as fast as %s%s", fastest->name,
+            times_text(fastest->trace.value / best, text), s->rows[0].name,
+            most != NULL ? "; " : "");
+    if (most != NULL)
+        say_wrong_of_tracers(sentence, least, most);
 }
 
 /* Returns the figure of a row by which rows are compared. */
