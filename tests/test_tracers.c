@@ -136,13 +136,17 @@ static void what_it_breaks_costs_its_row(void **state)
 }
 
 /* Where OpenCL has one thread, so has a tracer. */
+/* Beside other programs its threads may get no more than one processor: three tries. */
 static void more_threads_than_given_are_seen(void **state)
 {
     (void)state;
     if (sysconf(_SC_NPROCESSORS_ONLN) < 2)
         skip();
-    const outcome *o = run_with("POCL_MAX_PTHREAD_COUNT=1", RUN "--tracer " BRUTE ":kind=greedy");
-    assert_int_equal(o->exit_status, 1);
+    int exit_status = 0;
+    for (int i = 0; i < 3 && exit_status == 0; i++)
+        exit_status =
+            run_with("POCL_MAX_PTHREAD_COUNT=1", RUN "--tracer " BRUTE ":kind=greedy")->exit_status;
+    assert_int_equal(exit_status, 1);
     cJSON *json = read_results("out/results.json");
     const cJSON *row = row_of(json, "traces", "brute:kind=greedy");
     assert_string_equal(text_of(row, "status"), "failed");
