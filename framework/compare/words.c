@@ -280,7 +280,9 @@ static void say_crossings(bb_summary *s)
         }
     }
     if (holder != NULL)
-        say(sentence, sentence->text[0] != '\0' ? "beyond, %s" : "%s for any number of rays",
+        say(sentence,
+            sentence->text[0] != '\0' ? "beyond, %s; each until another is surely faster"
+                                      : "%s for any number of rays",
             holder->name);
 }
 
@@ -332,7 +334,8 @@ static void say_accuracy(bb_summary *s)
         else
             say(sentence, ppm < 100 ? "%.2g" : "%.0f", ppm);
         say(sentence, "%s, %.2fx",
-            a->wrong > 0 && a->wrong_t > 0.9 * a->wrong ? " (in distance)" : "", a->speed);
+            a->wrong > 0 && a->wrong_t > 0.9 * a->wrong ? " (right triangle, wrong distance)" : "",
+            a->speed);
     }
     say(sentence, "; all else here is `exact`");
 }

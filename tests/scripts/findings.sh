@@ -49,12 +49,27 @@ Measured on A processor, 2 threads, a device; bvhbench $own.
 
 It fails at 20, twice is 40.
 
-\`bvhbench stress --axis outlier --quiet --out /somewhere/else\`, A processor, 2024-01-02
+\`bvhbench stress --axis outlier --quiet --out /somewhere/else\`, 2024-01-02
 END
 diff expected F.md || fail 'FINDINGS.md is not what was expected'
 rm F.md
 findings 0 'holds: Title' --check
 [ ! -e F.md ] || fail '--check wrote a file'
+
+# Of several runs a figure is the median, with its span; each run must hold.
+template '[.rows[] | select(.builder == "lbvh") | .at][0] as $at
+    | {at: {value: $at, low: ($at - 0.5), high: ($at + 2)}, twice: ($at | twice), holds: ($at > 10)}' \
+    'At {{at}} ({{at span}}), twice {{twice}}.'
+sed -i 's/^```data forged/```data forged 3/' t.md
+forge 11 'A processor' forged-2
+forge 12.5 'A processor' forged-3
+findings 0 'holds: Title: At 12.5 (10.5 to 22.0), twice 22 or 25 or 40.' --check
+findings 0 '1 hold'
+grep -qF 'else`, 3 runs, 2024-01-02' F.md || fail "the number of runs is not said: $(cat F.md)"
+forge 5 'A processor' forged-2
+findings 1 'does not hold: Title: At 12.5 (4.50 to 22.0)' --check
+rm -r F.md data/forged-2 data/forged-3
+template "$good"
 
 # One that does not is said with its figures, and left out.
 forge 5 'A processor' forged
@@ -127,7 +142,8 @@ broken() {
     findings 2 "t.md$2"
 }
 broken '```data a\ntrue\n' ':1: the block does not end'
-broken '# Head\n```sh\ntrue\n```\n' ":2: a block is 'data NAME'"
+broken '# Head\n```sh\ntrue\n```\n' ":2: a block is 'data NAME [RUNS]'"
+broken '```data a 12\ntrue\n```\n' ":1: a block is 'data NAME [RUNS]'"
 broken '### One\n\n### Two\n' ":3: the sentence before, 'One', has no block"
 broken '### One\ntext\n' ":2: the sentence 'One' has no block"
 broken '```data a\ntrue\n```\n```jq a\n{}\n```\n' ":4: this block follows no"
@@ -147,7 +163,7 @@ for n in $(seq "$count"); do
     awk -v n="$n" '/^```jq [a-z]/ { on = ++i == n; next } /^```$/ { on = 0 } on' "$source/findings/template.md" >block
     jq -n "$definitions def figures: $(cat block); 1" >log 2>&1 || fail "block $n of findings/template.md: $(cat log)"
     for figure in $(awk -v n="$n" '/^### / { i++; next } /^```/ { if (i == n) exit } i == n' "$source/findings/template.md" |
-        grep -o '{{[a-z_]*}}' | tr -d '{}'); do
+        grep -o '{{[a-z_]*[ }]' | tr -d '{} '); do
         grep -qE "[{ ]$figure:" block || fail "block $n of findings/template.md yields no $figure"
     done
 done
