@@ -64,10 +64,12 @@ static bool trace_ray(bb_search *search, const bb_ray_setup *setup, const bb_sla
         if ((group.y & BB_GROUP_NODES) != 0u) {
             uint n = take_node(&group, turn), inner;
             uint2 base;
+            BB_STEP(search, BB_STEP_NODE, n);
             if ((group.y & BB_GROUP_NODES) != 0u) {
                 if (top == BB_STACK_SIZE)
                     return false;
                 stack[top++] = group;
+                BB_STEP(search, BB_STEP_PUSH, 0);
             }
             uint met = bb_cwbvh_meet(slab, nodes + n, turn, search->tmin, search->tmax, &inner,
                                      &base);
@@ -87,6 +89,7 @@ static bool trace_ray(bb_search *search, const bb_ray_setup *setup, const bb_sla
             if (top == 0u)
                 return true;
             group = stack[--top];
+            BB_STEP(search, BB_STEP_POP, 0);
         }
     }
 }

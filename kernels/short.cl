@@ -78,6 +78,7 @@ static bool trace_ray(bb_search *search, const bb_ray_setup *setup, const bb_sla
         while ((link & BB_LEAF_BIT) == 0) {
             if (level == BB_LEVELS)
                 return false;
+            BB_STEP(search, BB_STEP_NODE, link);
             uint met[BB_CHILDREN];
             float distances[BB_CHILDREN];
             uint many = short_children(search, slab, nodes + link, met, distances);
@@ -90,8 +91,10 @@ static bool trace_ray(bb_search *search, const bb_ray_setup *setup, const bb_sla
             if (at >= many)
                 goto next;
 #if BB_ENTRIES > 0
-            for (uint i = many - 1u; i > at; i--)
+            for (uint i = many - 1u; i > at; i--) {
                 bb_short_stack_push(&stack, met[i], distances[i], i == many - 1u);
+                BB_STEP(search, BB_STEP_PUSH, 0);
+            }
 #endif
             bb_trail_take(&trail, level, at, at + 1u < many);
             link = met[at];
@@ -109,6 +112,7 @@ static bool trace_ray(bb_search *search, const bb_ray_setup *setup, const bb_sla
                 float distance;
                 bool last;
                 link = bb_short_stack_pop(&stack, &distance, &last);
+                BB_STEP(search, BB_STEP_POP, 0);
                 if (last)
                     bb_trail_close(&trail, open);
                 level = open + 1u;
@@ -118,6 +122,7 @@ static bool trace_ray(bb_search *search, const bb_ray_setup *setup, const bb_sla
                 break;
             }
 #endif
+            BB_STEP(search, BB_STEP_RESTART, 0);
             link = root;
             level = 0;
             retrace = open + 1u;

@@ -24,6 +24,7 @@ static bool trace_ray(bb_search *search, const bb_ray_setup *setup, const bb_sla
     uint link = root;
     while (link != BB_NONE) {
         global const float *node = nodes + 8ul * link;
+        BB_STEP(search, BB_STEP_NODE, link);
 #if BB_GPU_FORM
         uint first = bb_word(node, 3u), skip = bb_word(node, 7u);
 #else

@@ -63,6 +63,8 @@ static void expect_margin(const bb_canvas *canvas, const bb_rays *rays)
 static const uint32_t sizes[][2] = {{1, 1},   {64, 48},   {700, 3},   {3, 700},
                                     {511, 4}, {512, 512}, {1280, 720}};
 
+static const bb_heat_words words = {"tests per ray", "boxes", "primitives"};
+
 static void heat_has_a_bar_that_is_not_cut(void **state)
 {
     (void)state;
@@ -74,7 +76,7 @@ static void heat_has_a_bar_that_is_not_cut(void **state)
                 counts[i] = (bb_count){.nodes = most, .prims = most / 2};
             bb_canvas canvas = {0};
             bb_heat_map heat;
-            assert_int_equal(bb_picture_heat(rays, counts, &canvas, &heat), BB_OK);
+            assert_int_equal(bb_picture_heat(rays, counts, &words, &canvas, &heat), BB_OK);
             assert_true(canvas.width > rays->width && canvas.height > rays->height);
             assert_true(heat.boxes == most && heat.prims == most / 2);
             assert_true(heat.most == (double)most + most / 2);
@@ -99,7 +101,7 @@ static void heat_is_the_colour_map_of_the_tests(void **state)
     counts[1234].nodes = 100000; /* an outlier */
     bb_canvas canvas = {0};
     bb_heat_map heat;
-    assert_int_equal(bb_picture_heat(rays, counts, &canvas, &heat), BB_OK);
+    assert_int_equal(bb_picture_heat(rays, counts, &words, &canvas, &heat), BB_OK);
     assert_true(heat.most >= 100000 && heat.most < 100010);
     assert_true(heat.top > 80 && heat.top < 100);
     double boxes = 0, prims = 0;

@@ -18,5 +18,6 @@ const bb_kernel bb_kernel_stack = {
     .source = "stack.cl",
     .queries = BB_ALONG_RAYS,
     .ordered = true,
+    .control = BB_WHILE_WHILE,
     .variants = variants,
 };

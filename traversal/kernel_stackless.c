@@ -16,6 +16,7 @@ const bb_kernel bb_kernel_stackless = {
     .source = "stackless.cl",
     .queries = BB_ALONG_RAYS,
     .ordered = false,
+    .control = BB_IF_IF,
     .variants = variants,
     .native = true,
     .stackless = true,

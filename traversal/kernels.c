@@ -49,10 +49,11 @@ bool bb_kernel_is_for_cpus(const bb_kernel *kernel)
     return devices == BB_FOR_CPU;
 }
 
-const bb_kernel *bb_kernel_for_any_leaf(void)
+const bb_kernel *bb_kernel_for_any_leaf(bool recorded)
 {
     const bb_kernel *const *k = bb_kernels;
-    while (bb_layout_find((*k)->layout)->leaf_max > 0)
+    while (bb_layout_find((*k)->layout)->leaf_max > 0 ||
+           (recorded && (*k)->control == BB_CONTROL_UNKNOWN))
         k++;
     return *k;
 }
@@ -112,7 +113,7 @@ bb_layout_wish bb_kernel_wish(const bb_spec *spec)
 bool bb_layout_wish_is(const bb_layout_wish *a, const bb_layout_wish *b)
 {
     return a->kinds == b->kinds && a->octants == b->octants && a->plan == b->plan &&
-           a->node_cost == b->node_cost;
+           a->node_cost == b->node_cost && a->preorder == b->preorder;
 }
 
 bb_status bb_kernel_parse(const char *text, bb_spec *spec, const bb_kernel **kernel)

@@ -10,6 +10,7 @@ static bb_status create(bb_device *device, bb_account *account, void **self)
 const bb_layout bb_layout_cwbvh = {
     .name = "cwbvh",
     .summary = "up to 8 children in 80 bytes, by octant; primitives one by one, up to 3 of a leaf",
+    .node_bytes = sizeof(bb_cwbvh),
     .width = 8,
     .block = 1,
     .leaf_max = BB_CWBVH_LEAF_MAX,

@@ -48,6 +48,7 @@ static bb_status make(void *opaque, const bb_layout_source *source, bb_layout_da
 const bb_layout bb_layout_pair = {
     .name = "pair",
     .summary = "binary, both children's boxes in the parent; primitives expanded in leaf order",
+    .node_bytes = sizeof(bb_pair),
     .width = 2,
     .block = 1,
     .create = create,

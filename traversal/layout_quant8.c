@@ -9,5 +9,6 @@ static bb_status create(bb_device *device, bb_account *account, void **self)
 const bb_layout bb_layout_quant8 = {
     .name = "quant8",
     .summary = "as wide8, boxes in 8 bits per plane: half the bytes",
+    .node_bytes = sizeof(bb_quant8),
     BB_WIDE_LAYOUT(8),
 };

@@ -103,6 +103,7 @@ static bb_status make(void *opaque, const bb_layout_source *source, bb_layout_da
 const bb_layout bb_layout_skip = {
     .name = "skip",
     .summary = "the tree's own nodes, of any arity, in preorder; primitives expanded in leaf order",
+    .node_bytes = sizeof(bb_node),
     .width = 2,
     .block = 1,
     .search = BB_SEARCH_SKIP,

@@ -11,5 +11,6 @@ const bb_layout bb_layout_wide4 = {
     .name = "wide4",
     .summary = "up to 4 children by surface area, boxes side by side; primitives in blocks of "
                "four, or one by one",
+    .node_bytes = sizeof(bb_wide4),
     BB_WIDE_LAYOUT(4),
 };

@@ -11,5 +11,6 @@ const bb_layout bb_layout_wide8 = {
     .name = "wide8",
     .summary = "up to 8 children by surface area, boxes side by side; primitives in blocks of "
                "four, or one by one",
+    .node_bytes = sizeof(bb_wide8),
     BB_WIDE_LAYOUT(8),
 };

@@ -56,7 +56,8 @@ static void name(const bb_layout_maker *maker, bb_plan plan, uint32_t leaf, uint
                  {maker->wish.octants, "places=octant"},
                  {plan == BB_PLAN_GREEDY, "plan=greedy"},
                  {plan == BB_PLAN_NATIVE, "plan=native"},
-                 {leaf > 1 && maker->wish.node_cost > 0, node}};
+                 {leaf > 1 && maker->wish.node_cost > 0, node},
+                 {maker->wish.preorder, "preorder"}};
     int length = snprintf(data->name, capacity, "%s", maker->layout->name);
     char separator = ':';
     for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++)
@@ -196,10 +197,33 @@ static bb_status make_timed(bb_layout_maker *maker, const bb_scene *scene, bb_tr
     return BB_OK;
 }
 
+/* Makes it of a copy of the tree in preorder, which is gone then. */
+static bb_status make_in_preorder(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tree,
+                                  uint32_t leaf, uint32_t format, bb_layout_data *data)
+{
+    const bool copied = tree->copied;
+    bb_tree ordered;
+    bb_tree_init(&ordered, &maker->account);
+    ordered.copy_account = &maker->account;
+    bb_status status = bb_tree_download(tree, NULL);
+    if (status == BB_OK)
+        status = bb_tree_preorder(tree, &ordered);
+    if (!copied && tree->place == BB_ON_DEVICE)
+        bb_tree_drop_copy(tree);
+    if (status == BB_OK)
+        status = bb_tree_upload(&ordered, maker->device, NULL);
+    if (status == BB_OK)
+        status = make_timed(maker, scene, &ordered, leaf, format, false, data);
+    bb_tree_release(&ordered);
+    maker->links = 0; /* there is nothing left to follow from */
+    return status;
+}
+
 bb_status bb_layout_maker_make(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tree,
                                uint32_t leaf, uint32_t format, bb_layout_data *data)
 {
-    return make_timed(maker, scene, tree, leaf, format, false, data);
+    return maker->wish.preorder ? make_in_preorder(maker, scene, tree, leaf, format, data)
+                                : make_timed(maker, scene, tree, leaf, format, false, data);
 }
 
 bb_status bb_layout_maker_follow(bb_layout_maker *maker, const bb_scene *scene, bb_tree *tree,

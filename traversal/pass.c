@@ -27,7 +27,7 @@ bb_status bb_pass_sort(const bb_pass *pass, uint32_t count)
 bb_status bb_pass_trace(const bb_pass *pass, uint32_t count)
 {
     return bb_traverser_launch(pass->traverser, pass->layout, pass->rays, count, pass->results,
-                               pass->counts, pass->more, pass->more_count);
+                               pass->counts, pass->recording, pass->more, pass->more_count);
 }
 
 bb_status bb_pass_run(const bb_pass *pass, uint32_t count, void *results, bb_count *counts)

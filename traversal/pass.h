@@ -13,7 +13,8 @@ typedef struct bb_pass {
     const bb_buffer *rays; /* bb_ray[count] */
     bb_buffer *results;    /* type as the query says: bb_hit[count] for closest and any hits */
     bb_buffer *counts;     /* bb_count[count] if the traverser counts, else NULL */
-    const bb_arg *more;    /* additional arguments of the query's kernels */
+    const bb_recording *recording; /* if the traverser records, else NULL */
+    const bb_arg *more;            /* additional arguments of the query's kernels */
     uint32_t more_count;
 } bb_pass;
 

@@ -7,7 +7,7 @@
 /* The file, and the properties that the trail implies. */
 #define BB_SHORT_KERNEL                                                                            \
     .source = "short.cl", .queries = BB_ALONG_RAYS, .ordered = true, .stackless = true,            \
-    .trail_max = BB_TRAIL_MAX
+    .trail_max = BB_TRAIL_MAX, .control = BB_WHILE_WHILE
 
 /* Option of kernels with a stack. */
 #define BB_ENTRIES_OPTION(preset)                                                                  \

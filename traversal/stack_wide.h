@@ -5,7 +5,8 @@
 
 #include "traversal/traversal.h"
 
-#define BB_STACK_WIDE_KERNEL .source = "stack_wide.cl", .queries = BB_ALONG_RAYS, .ordered = true
+#define BB_STACK_WIDE_KERNEL                                                                       \
+    .source = "stack_wide.cl", .queries = BB_ALONG_RAYS, .ordered = true, .control = BB_WHILE_WHILE
 
 /* Option of kernels with 8 children, also of other files. */
 #define BB_ORDER_OPTION                                                                            \

@@ -34,6 +34,7 @@ typedef struct bb_layout_wish {
     bool octants;   /* places the children of nodes of 8 by their octant */
     bb_plan plan;
     double node_cost; /* for leaf collapse, in blocks of primitives; 0: bb_collapse_node_cost() */
+    bool preorder;    /* numbers the tree in preorder first: equal trees give equal layouts */
 } bb_layout_wish;
 
 /* The input of a layout. */
@@ -91,10 +92,11 @@ typedef enum bb_tet_search_way {
 typedef struct bb_layout {
     const char *name;
     const char *summary;
-    uint32_t width;    /* most children of a node; 2 if unlimited. Required */
-    uint32_t block;    /* number of primitives that its kernels test at once. Required */
-    uint32_t leaf_max; /* most references of a leaf: larger ones are divided; 0: unlimited */
-    bool keeps_nodes;  /* has BB_PLAN_NATIVE, for trees of up to `width` children */
+    uint32_t width;      /* most children of a node; 2 if unlimited. Required */
+    uint32_t block;      /* number of primitives that its kernels test at once. Required */
+    uint32_t node_bytes; /* size of a node in its first buffer; 0: it is not for rays */
+    uint32_t leaf_max;   /* most references of a leaf: larger ones are divided; 0: unlimited */
+    bool keeps_nodes;    /* has BB_PLAN_NATIVE, for trees of up to `width` children */
     bb_tet_search_way search;
     /* The side array of the tree that make() reads (bb_tree_reserve_array()): trees without an
      * array of this name and format are refused. Optional. */
@@ -185,6 +187,14 @@ bool bb_intersector_is_exact(const bb_intersector *intersector);
 /* Writes its options as -D definitions for kernels/intersect.clh: less than 128 characters. */
 void bb_intersector_defines(const bb_intersector *intersector, char *text, size_t capacity);
 
+/* A kernel's loops, around the steps of one ray (kernels/steps_shared.h): in which order the rays of
+ * a group that run in lockstep wait for each other. */
+typedef enum bb_control {
+    BB_CONTROL_UNKNOWN, /* its steps are not recorded */
+    BB_WHILE_WHILE,     /* nodes until none is next, primitives likewise, then pops likewise */
+    BB_IF_IF,           /* one node, if it is next; primitives; pops, and so on */
+} bb_control;
+
 typedef struct bb_kernel {
     const char *name;
     const char *summary;
@@ -204,6 +214,7 @@ typedef struct bb_kernel {
     bool stackless; /* needs no stack of the tree's size: gets no BB_STACK_SIZE */
     /* Most levels of its bit trail: gets BB_LEVELS, and refuses deeper trees; 0: no trail. */
     uint32_t trail_max;
+    bb_control control;
     /* Its own options: the value of `name` reaches the kernel as -DBB_NAME=value, so each must list
      * its `values`. All kernels also have `leaf`, `group`, `stack`, `kinds`, `plan`, `node`,
      * `persistent`, `sort`. */
@@ -212,8 +223,9 @@ typedef struct bb_kernel {
 
 extern const bb_kernel *const bb_kernels[];        /* generated; ends with NULL */
 const bb_kernel *bb_kernel_find(const char *name); /* NULL if there is none */
-/* Returns the first kernel whose layout accepts leaves of any size, and so any tree of one leaf. */
-const bb_kernel *bb_kernel_for_any_leaf(void);
+/* Returns the first kernel whose layout accepts leaves of any size, and so any tree of one leaf; if
+ * `recorded`, of those whose steps can be. */
+const bb_kernel *bb_kernel_for_any_leaf(bool recorded);
 extern const bb_option bb_kernel_common_options[];
 /* Returns whether all its variants that are taken by default are for CPUs only. */
 bool bb_kernel_is_for_cpus(const bb_kernel *kernel);
@@ -242,14 +254,22 @@ typedef struct bb_traverser_request {
     const bb_intersector *intersector;
     const bb_query *query;
     bool counting;       /* the variant that counts tests and overflows */
+    bool recording;      /* counting, too: the variant that also records each ray's steps */
     const char *defines; /* additional definitions for the query; NULL: none */
 } bb_traverser_request;
+
+/* Buffers of a recording traverser, which the caller owns (kernels/steps.clh). */
+typedef struct bb_recording {
+    bb_buffer ends;   /* u32 per ray: where its steps end; the first ray's begin at 0 */
+    bb_buffer steps;  /* u32: as many as the last end says, and at least one */
+    bb_buffer counts; /* u32 per ray: its steps, whether there was room for them or not */
+} bb_recording;
 
 /* Gets a traverser for layouts that need no more than this one: kinds of primitives, stack entries
  * (rounded up to 16, 32, 64 ...), levels of a trail (64, 128, 256 ...). A cache of the device owns
  * it until bb_traversers_clear(), so that equal requests compile once. BB_UNSUPPORTED if the kernel
  * does not answer the query, or not for these primitives, or if its trail is too short for the
- * tree. BB_REFUSED if the device has no room for a given stack (stack_room.h). BB_FAILED if it does
+ * tree, or if its steps cannot be recorded. BB_REFUSED if the device has no room for a given stack (stack_room.h). BB_FAILED if it does
  * not compile, or its definitions are too long. */
 bb_status bb_traverser_get(bb_device *device, const bb_traverser_request *request,
                            const bb_layout_data *layout, bb_traverser **traverser);
@@ -277,11 +297,12 @@ bb_status bb_traverser_sort(bb_traverser *traverser, const bb_layout_data *layou
                             const bb_buffer *rays, uint32_t count);
 
 /* Enqueues the traversal of rays[0..count); does not wait. The layout's format of triangles must be
- * the intersector's. `counts` (bb_count[count]) for counting traversers, otherwise NULL. `more`:
- * additional arguments of the query's kernels, at most BB_MORE_ARGS_MAX; may be NULL.
- */
+ * the intersector's. `counts` (bb_count[count]) for counting traversers, otherwise NULL; `recording`
+ * likewise. `more`: additional arguments of the query's kernels, at most BB_MORE_ARGS_MAX; may be
+ * NULL. */
 bb_status bb_traverser_launch(bb_traverser *traverser, const bb_layout_data *layout,
                               const bb_buffer *rays, uint32_t count, bb_buffer *results,
-                              bb_buffer *counts, const bb_arg *more, uint32_t more_count);
+                              bb_buffer *counts, const bb_recording *recording, const bb_arg *more,
+                              uint32_t more_count);
 
 #endif

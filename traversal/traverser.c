@@ -18,7 +18,7 @@ struct bb_traverser {
     uint32_t group;
     uint32_t stack_size, stacks; /* entries; stacks per work-item */
     uint64_t launched;
-    bool counting;
+    bool counting, recording;
     bool persistent;
     bool batched;
     bool sorted;     /* rays are taken in an order of their own */
@@ -201,8 +201,10 @@ static bb_status write_defines(const bb_device *device, const bb_traverser_reque
     BB_TRY(append(text, capacity,
                   " %s -DBB_KINDS=%u -D%s %s -DBB_COUNTING=%d -DBB_PERSISTENT=%d -DBB_LANES=%u",
                   or_empty(kernel->defines), v->kinds, request->query->define,
-                  or_empty(request->defines), request->counting, is_persistent(request),
-                  layout->lanes));
+                  or_empty(request->defines), request->counting || request->recording,
+                  is_persistent(request), layout->lanes));
+    if (request->recording)
+        BB_TRY(append(text, capacity, " -DBB_RECORDING=1"));
     if (!bb_cpu_form(device))
         BB_TRY(append(text, capacity, " -DBB_GPU_FORM=1"));
     if (v->stack_size > 0)
@@ -231,6 +233,10 @@ static bb_status check_request(const bb_traverser_request *request, const bb_lay
         bb_prim_kind_names(query->kinds, kinds, sizeof kinds);
         return bb_fail(BB_UNSUPPORTED, "%s queries are for %s alone", query->name, kinds);
     }
+    if (request->recording &&
+        (kernel->control == BB_CONTROL_UNKNOWN || !query->is_hit || is_sorted(request)))
+        return bb_fail(BB_UNSUPPORTED, "steps of kernel %s%s are not recorded for %s queries",
+                       kernel->name, is_sorted(request) ? ":sort=yes" : "", query->name);
     if (kernel->trail_max > 0 && layout->levels > kernel->trail_max)
         return bb_fail(
             BB_UNSUPPORTED,
@@ -286,7 +292,8 @@ bb_status bb_traverser_get(bb_device *device, const bb_traverser_request *reques
         .group = (uint32_t)group,
         .stack_size = v.stack_size,
         .stacks = bb_stacks_of_item(request->kernel, request->spec),
-        .counting = request->counting,
+        .counting = request->counting || request->recording,
+        .recording = request->recording,
         .persistent = is_persistent(request),
         .batched = request->kernel->batched,
         .sorted = is_sorted(request),
@@ -365,7 +372,8 @@ bb_status bb_traverser_sort(bb_traverser *traverser, const bb_layout_data *layou
 
 bb_status bb_traverser_launch(bb_traverser *traverser, const bb_layout_data *layout,
                               const bb_buffer *rays, uint32_t count, bb_buffer *results,
-                              bb_buffer *counts, const bb_arg *more, uint32_t more_count)
+                              bb_buffer *counts, const bb_recording *recording, const bb_arg *more,
+                              uint32_t more_count)
 {
     assert(layout->format == traverser->format && layout->lanes == traverser->lanes &&
            more_count <= BB_MORE_ARGS_MAX);
@@ -377,7 +385,7 @@ bb_status bb_traverser_launch(bb_traverser *traverser, const bb_layout_data *lay
         BB_TRY(bb_ray_order_take(order, traverser, count, &ids));
     }
     traverser->launched += count;
-    bb_arg args[BB_LAYOUT_BUFFERS_MAX + 9 + BB_MORE_ARGS_MAX];
+    bb_arg args[BB_LAYOUT_BUFFERS_MAX + 12 + BB_MORE_ARGS_MAX];
     uint32_t n = 0;
     for (uint32_t i = 0; i < layout->buffer_count; i++)
         args[n++] = BB_MEM(layout->buffers[i]);
@@ -391,6 +399,11 @@ bb_status bb_traverser_launch(bb_traverser *traverser, const bb_layout_data *lay
     args[n++] = BB_MEM(*results);
     if (traverser->counting)
         args[n++] = BB_MEM(*counts);
+    if (traverser->recording) {
+        args[n++] = BB_MEM(recording->ends);
+        args[n++] = BB_MEM(recording->steps);
+        args[n++] = BB_MEM(recording->counts);
+    }
     if (traverser->persistent)
         args[n++] = BB_MEM(traverser->taken);
     for (uint32_t i = 0; i < more_count; i++)

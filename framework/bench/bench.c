@@ -137,6 +137,14 @@ uint32_t bb_bench_layout_of(const bb_bench *bench, uint32_t kernel,
     return bench->kernels[kernel].layouts[bb_intersector_format(intersector)];
 }
 
+bool bb_bench_simulates(const bb_bench *bench, uint32_t kernel, const bb_intersector *intersector,
+                        uint32_t *layout)
+{
+    const bb_kernel_choice *choice = &bench->kernels[kernel];
+    *layout = choice->simulated[bb_intersector_format(intersector)];
+    return bench->simt_count > 0 && choice->kernel->control != BB_CONTROL_UNKNOWN;
+}
+
 bool bb_bench_takes(const bb_bench *bench, const bb_entrant *entrant, uint32_t kernel)
 {
     if (!bench->kernels[kernel].native_only)
@@ -160,10 +168,15 @@ static bb_status start_kernel(bb_bench *bench, const char *text, bool native_onl
     bench->kernel_count++;
     const bb_layout *layout = bb_layout_find(choice->kernel->layout);
     const bb_layout_wish wish = bb_kernel_wish(&choice->spec);
+    bb_layout_wish ordered = wish;
+    ordered.preorder = true;
     for (uint32_t i = 0; i < bench->request->intersector_count; i++) {
         const uint32_t format = bb_intersector_format(&bench->intersectors[i]);
         BB_TRY(bb_residency_layout(&bench->residency, layout, &wish, choice->leaf, format,
                                    &choice->layouts[format]));
+        if (bench->simt_count > 0 && choice->kernel->control != BB_CONTROL_UNKNOWN)
+            BB_TRY(bb_residency_layout(&bench->residency, layout, &ordered, choice->leaf, format,
+                                       &choice->simulated[format]));
     }
     return BB_OK;
 }
@@ -171,6 +184,9 @@ static bb_status start_kernel(bb_bench *bench, const char *text, bool native_onl
 static bb_status start_kernels(bb_bench *bench)
 {
     const bb_bench_request *request = bench->request;
+    for (uint32_t i = 0; i < request->metric_count; i++)
+        if (bb_is_simt(request->metrics[i]))
+            BB_TRY(bb_simt_parse(request->metrics[i], &bench->simts[bench->simt_count++]));
     for (uint32_t i = 0; i < request->kernel_count; i++)
         BB_TRY(start_kernel(bench, request->kernels[i], false));
     for (const bb_kernel *const *k = bb_kernels; request->native && *k != NULL; k++)

@@ -331,3 +331,49 @@ bb_status bb_trace_count(bb_trace_set *set, bb_traced_cell *c)
     c->record.counted = count;
     return bb_bench_end(bench, step, "count tests", BB_OK);
 }
+
+static bb_status simulate(bb_trace_set *set, bb_traced_cell *c, uint32_t layout)
+{
+    bb_bench *bench = set->bench;
+    const bb_traverser_request request = traverser_request(set, c);
+    const bb_layout_data *data = &c->entrant->resident->layouts[layout];
+    bb_trace_record *r = &c->record;
+    bb_steps steps;
+    uint32_t widest = 0;
+    for (uint32_t i = 0; i < bench->simt_count; i++)
+        widest = bench->simts[i].width > widest ? bench->simts[i].width : widest;
+    BB_TRY(bb_bench_layout(bench, c->entrant, layout));
+    enter(r, "simulate");
+    bb_status status = bb_steps_record(bench->device, &request, data, set->rays->rays, c->count,
+                                       BB_SIMT_GROUPS * widest, &steps);
+    bb_guard_leave();
+    BB_TRY(status);
+    for (uint32_t i = 0; i < bench->simt_count && status == BB_OK; i++) {
+        const bb_simt *simt = &bench->simts[i];
+        snprintf(r->simulated[i].name, sizeof r->simulated[i].name, "%s", simt->name);
+        status = bb_simulate(simt, &request, data, &steps, &r->simulated[i].simulation);
+        r->simulated_count += status == BB_OK;
+    }
+    bb_steps_release(&steps);
+    return status;
+}
+
+bb_status bb_trace_simulate(bb_trace_set *set, bb_traced_cell *c)
+{
+    bb_bench *bench = set->bench;
+    uint32_t layout;
+    if (c->entrant->tracer != NULL || bench->request->lean ||
+        c->entrant->record.tree.node_count == 1 ||
+        !bb_bench_simulates(bench, c->kernel, c->intersector, &layout))
+        return BB_OK;
+    bb_kernel_choice *choice = &bench->kernels[c->kernel];
+    bb_step step = bb_bench_begin(bench);
+    bb_status status = simulate(set, c, layout);
+    if (status == BB_UNSUPPORTED || status == BB_REFUSED) {
+        if (!choice->unsimulated)
+            bb_progress_note(bench->progress, "not simulated: %s", bb_message());
+        choice->unsimulated = true;
+        status = BB_OK;
+    }
+    return bb_bench_end(bench, step, "simulate", status);
+}

@@ -55,6 +55,10 @@ bb_status bb_trace_judge(bb_trace_set *set, bb_traced_cell *c);
 /* Counts tests per ray on a sample; none of a reference. */
 bb_status bb_trace_count(bb_trace_set *set, bb_traced_cell *c);
 
+/* Simulates the trace, if that was asked for, on a sample of the set. What cannot be simulated is
+ * left out, with a note. */
+bb_status bb_trace_simulate(bb_trace_set *set, bb_traced_cell *c);
+
 /* After all rounds: has each tracer that is a plug-in trace rays that it has not seen. Whoever
  * answers them wrong, or took more than 1.5 times its slowest round for each of four such sets,
  * fails ("it remembers answers"; bench_unseen_rays.c). */

@@ -49,6 +49,9 @@ void bb_bench_make_layouts(bb_bench *bench, bb_entrant *entrant)
             uint32_t layout = bb_bench_layout_of(bench, k, &bench->intersectors[i]);
             if (bb_bench_layout(bench, entrant, layout) == BB_OK)
                 record_layout(bench, entrant, layout);
+            /* now that the tree is here */
+            if (bb_bench_simulates(bench, k, &bench->intersectors[i], &layout))
+                (void)bb_bench_layout(bench, entrant, layout);
         }
 }
 

@@ -36,8 +36,9 @@ typedef struct bb_kernel_choice {
     uint32_t leaf;
     /* for each format of triangles, the index in bb_bench.residency.layouts of what it reads */
     uint32_t layouts[BB_FORMAT_COUNT];
-    bool noted, capped; /* notes that the user has been given */
-    bool native_only;   /* not asked for; only for trees whose shape no requested kernel keeps */
+    uint32_t simulated[BB_FORMAT_COUNT]; /* likewise, of the tree in preorder: for simulations */
+    bool noted, capped, unsimulated;     /* notes that the user has been given */
+    bool native_only; /* not asked for; only for trees whose shape no requested kernel keeps */
 } bb_kernel_choice;
 
 /* A builder on the current scene: what it has in memory now, and its record. */
@@ -76,7 +77,9 @@ typedef struct bb_bench {
     bb_kernel_choice kernels[BB_KERNELS_MAX];
     uint32_t kernel_count;
     bb_intersector *intersectors; /* as many as were asked for */
-    bb_residency residency;       /* of the current scene: an item for each entrant */
+    bb_simt simts[BB_SIMT_MAX];
+    uint32_t simt_count;
+    bb_residency residency; /* of the current scene: an item for each entrant */
     bb_entrant *entrants;
     uint32_t entrant_count;
     bool *built;          /* for each requested builder: it has built some scene */
@@ -186,6 +189,10 @@ bool bb_bench_is_apart(const bb_bench_request *request, uint32_t prims);
 /* Returns the index of the layout that the kernel reads with this intersector. */
 uint32_t bb_bench_layout_of(const bb_bench *bench, uint32_t kernel,
                             const bb_intersector *intersector);
+
+/* Returns whether traces by this kernel are simulated, and the index of the layout for that. */
+bool bb_bench_simulates(const bb_bench *bench, uint32_t kernel, const bb_intersector *intersector,
+                        uint32_t *layout);
 
 /* Returns whether the kernel traces this entrant. This is known once the entrant's layouts for the
  * requested kernels were made. */

@@ -178,6 +178,8 @@ static bb_status record_cell(bb_trace_set *set, bb_traced_cell *c)
         return BB_OK; /* the run was interrupted before its turn */
     if (r->status == BB_OK && !bb_interrupted()) {
         bb_status status = bb_trace_count(set, c);
+        if (status == BB_OK)
+            status = bb_trace_simulate(set, c);
         if (status != BB_OK)
             bb_trace_note_failure(c, status);
     }

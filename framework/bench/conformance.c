@@ -180,7 +180,7 @@ bb_status bb_conformance_brute_force(bb_conformance *c)
     if (status == BB_OK)
         status = bb_conformance_choose_counts(c, &tree);
     if (status == BB_OK)
-        status = check_kernel(c, &tree, "brute force", bb_kernel_for_any_leaf());
+        status = check_kernel(c, &tree, "brute force", bb_kernel_for_any_leaf(false));
     bb_tree_release(&tree);
     return status;
 }

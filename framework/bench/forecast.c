@@ -51,6 +51,7 @@ static const struct {
     {"poison and copy answers", WITH_RAYS | WITH_ROUNDS},
     {"judge answers", WITH_RAYS},
     {"count tests", WITH_COUNTED},
+    {"simulate", WITH_COUNTED},
     {"pictures", WITH_PIXELS},
 };
 

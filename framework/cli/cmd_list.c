@@ -8,6 +8,7 @@
 #include "framework/device/device_private.h"
 #include "framework/papers/reproduce.h"
 #include "framework/scene/scene.h"
+#include "framework/simulate/simulate.h"
 #include "framework/stress/axis.h"
 #include "framework/workload/workload.h"
 #include "traversal/traversal.h"
@@ -141,7 +142,17 @@ static bb_status list_metrics(bb_list *list)
         BB_TRY(bb_list_add_method(list, m->name, summary, NULL, NULL,
                                   bib_of("metric_", m->name).text));
     }
-    return BB_OK;
+    char devices[256];
+    bb_option options[BB_PARAMS_MAX + 1];
+    uint32_t count = 0;
+    do {
+        options[count] = bb_simt_options[count];
+    } while (bb_simt_options[count++].name != NULL);
+    bb_description_names("|", devices, sizeof devices);
+    options[0].values = devices;
+    return bb_list_add_method(list, BB_SIMT,
+                              "each trace, simulated on a GPU on paper: `run --metrics` does it",
+                              NULL, options, bib_of("metric_", BB_SIMT).text);
 }
 
 static bb_status list_papers(bb_list *list)
@@ -209,7 +220,8 @@ static bb_status list_compared(bb_list *list)
     bb_names names = {0};
     BB_TRY(add_compared(list, "scene", bb_add_shipped_scenes(&names), &names));
     BB_TRY(add_compared(list, "builder", bb_choose_entrants(&names, NULL), &names));
-    BB_TRY(add_compared(list, "kernel", bb_choose_kernels(&names, NULL), &names));
+    BB_TRY(
+        add_compared(list, "kernel", bb_choose_kernels(&names, bb_device_find_kind(NULL)), &names));
     BB_TRY(add_compared(list, "rays", bb_names_add(&names, BB_COMPARED_RAYS), &names));
     return add_compared(list, "intersector", bb_names_add(&names, BB_COMPARED_INTERSECTORS),
                         &names);

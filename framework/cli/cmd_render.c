@@ -9,6 +9,8 @@
 #include "framework/picture/exr.h"
 #include "framework/picture/image.h"
 #include "framework/picture/picture.h"
+#include "framework/simulate/divergence.h"
+#include "framework/simulate/warp.h"
 #include "framework/workload/workload.h"
 #include "traversal/pass.h"
 
@@ -19,6 +21,7 @@ typedef struct rendering {
     bb_device_choice choice;
     const char *scene_name, *builder, *kernel_text, *intersector_text, *view, *out;
     uint32_t show; /* a word of --show */
+    uint32_t lanes;
     uint32_t width, height;
     bb_device *device;
     bb_scene *scene;
@@ -39,21 +42,27 @@ typedef struct rendering {
     float *values;
 } rendering;
 
-enum { DEPTH, NORMAL, HEAT, DIFF };
+enum { DEPTH, NORMAL, HEAT, DIVERGENCE, DIFF };
 
 static const bb_cli_option options[] = {
     {"scene", "S", "file, shipped or procedural scene", BB_INTO(rendering, scene_name),
      .needed = true},
     {"builder", "B", "builder; default: the usual one, which takes all kinds of primitives",
      BB_INTO(rendering, builder)},
-    {"kernel", "K", "kernel; default: the first in `list kernels` that does not limit leaf=",
+    {"kernel", "K",
+     "kernel; default: the first in `list kernels` that does not limit leaf= (divergence: that can "
+     "be simulated)",
      BB_INTO(rendering, kernel_text)},
     {"intersector", "I", "intersection tests: see `list intersectors`",
      BB_INTO(rendering, intersector_text), .fallback = "exact"},
-    {"show", NULL, "heat: tests per ray; diff: wrong rays", BB_INTO(rendering, show),
-     .words = "depth|normal|heat|diff", .fallback = "normal"},
+    {"show", NULL,
+     "heat: tests per ray; divergence: steps that a ray waits for others in lockstep; diff: wrong "
+     "rays",
+     BB_INTO(rendering, show), .words = "depth|normal|heat|divergence|diff", .fallback = "normal"},
+    {"lanes", NULL, "divergence: rays of a row in lockstep", BB_INTO(rendering, lanes), .low = 1,
+     .high = BB_WARP_MOST, .fallback = "32"},
     {"view", "V", "view of the scene; default: the first", BB_INTO(rendering, view)},
-    {"size", "WxH", "image size, to which heat and diff add a legend",
+    {"size", "WxH", "image size, to which heat, divergence and diff add a legend",
      BB_INTO_SIZE(rendering, width), .fallback = "512x512"},
     BB_GROUP(bb_device_options, rendering, choice),
     {"out", "FILE", "FILE.png: a picture; FILE.exr: the numbers behind it", BB_INTO(rendering, out),
@@ -74,8 +83,9 @@ static bb_status choose_builder(rendering *r)
 
 static bb_status choose_kernel(rendering *r)
 {
-    BB_TRY(bb_kernel_parse(r->kernel_text != NULL ? r->kernel_text : bb_kernel_for_any_leaf()->name,
-                           &r->kernel_spec, &r->kernel));
+    const bb_kernel *usual = bb_kernel_for_any_leaf(r->show == DIVERGENCE);
+    BB_TRY(bb_kernel_parse(r->kernel_text != NULL ? r->kernel_text : usual->name, &r->kernel_spec,
+                           &r->kernel));
     return bb_intersector_parse(r->intersector_text, &r->intersector);
 }
 
@@ -131,12 +141,40 @@ static bb_status trace(rendering *r)
 
 static bb_status shade_heat(rendering *r)
 {
+    static const bb_heat_words words = {"tests per ray", "boxes", "primitives"};
     bb_heat_map heat;
-    BB_TRY(bb_picture_heat(r->rays, r->counts, &r->canvas, &heat));
+    BB_TRY(bb_picture_heat(r->rays, r->counts, &words, &r->canvas, &heat));
     printf(
         "tests per ray: %.1f boxes and %.1f primitives on average, %.0f at most; colours from 0 to "
         "%.0f\n",
         heat.boxes, heat.prims, heat.most, heat.top);
+    return BB_OK;
+}
+
+/* Puts what each ray waits for in the place of its tests. */
+static bb_status find_divergence(rendering *r)
+{
+    const bb_traverser_request request = {.kernel = r->kernel,
+                                          .spec = &r->kernel_spec,
+                                          .intersector = &r->intersector,
+                                          .query = &bb_query_closest};
+    const bb_footing footing = bb_footing_of(&request, &r->layout);
+    bb_steps steps;
+    BB_TRY(bb_steps_record(r->device, &request, &r->layout, r->rays->rays, r->rays->count,
+                           r->rays->count, &steps));
+    bb_divergence(&steps, &footing, r->lanes, r->counts);
+    bb_steps_release(&steps);
+    return BB_OK;
+}
+
+static bb_status shade_divergence(rendering *r)
+{
+    static const bb_heat_words words = {"steps waited", "nodes", "primitives"};
+    bb_heat_map heat;
+    BB_TRY(bb_picture_heat(r->rays, r->counts, &words, &r->canvas, &heat));
+    printf("steps that a ray waits, in lockstep with %u of its row: %.1f at nodes and %.1f at "
+           "primitives on average, %.0f at most; colours from 0 to %.0f\n",
+           r->lanes, heat.boxes, heat.prims, heat.most, heat.top);
     return BB_OK;
 }
 
@@ -167,6 +205,8 @@ static bb_status shade(rendering *r)
 {
     if (r->show == HEAT)
         return shade_heat(r);
+    if (r->show == DIVERGENCE)
+        return shade_divergence(r);
     if (r->show == DIFF)
         return shade_diff(r);
     BB_TRY(bb_canvas_create(r->rays->width, r->rays->height, &r->canvas));
@@ -205,7 +245,7 @@ static bb_status write_values(rendering *r)
         bb_values_depth(r->rays, r->hits, INFINITY, r->values);
         return bb_exr_write(r->out, r->values, "Z", width, height);
     }
-    if (r->show == HEAT) {
+    if (r->show == HEAT || r->show == DIVERGENCE) {
         bb_values_tests(r->rays, r->counts, r->values);
         return bb_exr_write(r->out, r->values, "Y", width, height);
     }
@@ -231,6 +271,8 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
     BB_TRY(make_rays(r));
     BB_TRY(make_layout(r));
     BB_TRY(trace(r));
+    if (r->show == DIVERGENCE)
+        BB_TRY(find_divergence(r));
     BB_TRY(shade(r));
     return bb_image_is_exr(r->out)
                ? write_values(r)
@@ -261,13 +303,17 @@ static void release(void *values)
 extern const bb_command bb_command_render;
 const bb_command bb_command_render = {
     .name = "render",
-    .summary = "make a picture of a view: depth, normals, tests per ray, or wrong rays",
+    .summary = "make a picture of a view: depth, normals, tests per ray, divergence, wrong rays",
     .details =
         "heat: box and primitive tests per ray, counted by a variant of the kernel, on a map of\n"
         "even lightness (OKLab) whose range covers 99.9 % of the rays.\n"
+        "divergence: the same map of the steps at nodes and primitives that a GPU's group of "
+        "--lanes\n"
+        "rays takes without this one, simulated (see `run --metrics simt`).\n"
         "diff: the answers, judged as in `run`; try --intersector fast for wrong ones.\n"
         "EXR files hold 32-bit floats and no legend: distance t in Z (infinite for a miss), unit\n"
-        "normals in R, G, B, number of tests in Y, and for diff the depth error in Y (against\n"
+        "normals in R, G, B, number of tests or steps in Y, and for diff the depth error in Y "
+        "(against\n"
         "the oracle's depth; a miss has depth 0).",
     .options = options,
     .bytes = sizeof(rendering),

@@ -68,7 +68,8 @@ static const bb_cli_option options[] = {
     {"repeats", "N", "measured rounds, after a discarded one; 6 are the fewest for a 95 % interval",
      BB_INTO(comparison, request.repeats), .low = 1, .high = BB_SAMPLES_MAX - 1, .fallback = "6"},
     BB_SEED_OPTION(comparison, request.seed),
-    {"metrics", "M", "additional metrics of trees: see below; `all`", BB_INTO(comparison, metrics)},
+    {"metrics", "M", "additional metrics of trees, and of traces: see below; `all`: of trees",
+     BB_INTO(comparison, metrics)},
     {"max-wrong-ppm", "X", "tolerated wrong rays per million",
      BB_INTO(comparison, request.max_wrong_ppm), .high = 1e6, .fallback = "0"},
     {"out", "DIR", "folder for results.json, report.html and pictures", BB_INTO(comparison, folder),
@@ -150,11 +151,14 @@ static void choose_sizes(comparison *c, uint32_t device)
 }
 
 /* `none` of the rays: no workloads, and no kernels but those that were asked for, whose layouts are
- * made. */
+ * made. If traces are simulated on a GPU, the default is the kernels for GPUs. */
 static bb_status choose_traces(comparison *c)
 {
     bb_names *rays = &c->entrants.workloads, *kernels = &c->entrants.kernels;
+    uint32_t kind = bb_device_find_kind(c->device.name);
     bool none = false;
+    for (size_t i = 0; i < c->metrics.count; i++)
+        kind = bb_is_simt(c->metrics.items[i]) ? BB_FOR_GPU : kind;
     for (size_t i = 0; i < rays->count; i++)
         none = none || strcmp(rays->items[i], "none") == 0;
     if (none && rays->count > 1)
@@ -164,7 +168,7 @@ static bb_status choose_traces(comparison *c)
         bb_names_free(rays);
     else
         BB_TRY(bb_choose_rays(rays));
-    return none && kernels->count == 0 ? BB_OK : bb_choose_kernels(kernels, c->device.name);
+    return none && kernels->count == 0 ? BB_OK : bb_choose_kernels(kernels, kind);
 }
 
 static bb_status choose(comparison *c)
@@ -317,6 +321,9 @@ static void list_metrics(FILE *out)
     for (uint32_t i = 0; i < bb_metric_count(); i++)
         if (bb_metrics[i]->on_request)
             fprintf(out, "  %-14s %s\n", bb_metrics[i]->name, bb_metrics[i]->full_title);
+    fprintf(out, "  %-14s %s\n", BB_SIMT,
+            "traces simulated on a GPU on paper: simt:device=h100,width=32; by default of the "
+            "kernels for GPUs");
 }
 
 extern const bb_command bb_command_run;

@@ -244,11 +244,10 @@ static bb_status add_compared_kernels(bb_names *names, uint32_t device)
     return BB_OK;
 }
 
-bb_status bb_choose_kernels(bb_names *names, const char *device)
+bb_status bb_choose_kernels(bb_names *names, uint32_t kind)
 {
     static const list kernels = {"kernel", add_all_kernels, offsetof(spelt, cell.kernel)};
-    return names->count > 0 ? choose(&kernels, NULL, names)
-                            : add_compared_kernels(names, bb_device_find_kind(device));
+    return names->count > 0 ? choose(&kernels, NULL, names) : add_compared_kernels(names, kind);
 }
 
 static bb_status add_all_rays(bb_names *names)

@@ -276,6 +276,34 @@ static bb_status add_layout(const source *s, uint32_t build)
     return add_fields(s, s->row, of_layouts, sizeof of_layouts / sizeof of_layouts[0], cell);
 }
 
+static const bb_field_id of_simulations[] = {
+    BB_F_TRACE_SIMT,       BB_F_TRACE_SIMT_EFFICIENCY, BB_F_TRACE_SIMT_NODES, BB_F_TRACE_SIMT_PRIMS,
+    BB_F_TRACE_SIMT_STEPS, BB_F_TRACE_SIMT_LINES,      BB_F_TRACE_SIMT_STACK, BB_F_TRACE_SIMT_L1,
+    BB_F_TRACE_SIMT_L2,    BB_F_TRACE_SIMT_BYTES};
+
+/* A simulation's cell has the key of its trace with the simulation's name behind it, and no time:
+ * all of it is exact. */
+static bb_status add_simulation(const source *s, uint32_t trace)
+{
+    bb_measured *cell;
+    char key[BB_CELL_KEY];
+    const char *key_of_trace = text_of(s, trace, BB_F_TRACE_CELL);
+    bb_key_writer w = {.key = key, .length = strnlen(key_of_trace, BB_CELL_KEY - 1)};
+    memcpy(key, key_of_trace, w.length);
+    bb_key_put(&w, "simulated", bb_table_name(s->table, s->row, BB_MAKER));
+    BB_TRY(end_key(&w));
+    BB_TRY(add_cell(s, key, NULL, "", &cell));
+    copy(cell->status, sizeof cell->status, text_of(s, trace, BB_F_TRACE_STATUS));
+    copy(cell->rays_hash, sizeof cell->rays_hash, text_of(s, trace, BB_F_TRACE_RAYS_HASH));
+    return add_fields(s, s->row, of_simulations, sizeof of_simulations / sizeof of_simulations[0],
+                      cell);
+}
+
+static bool is_simulation(const source *s)
+{
+    return isfinite(bb_table_get_number(s->table, s->row, bb_fields[BB_F_TRACE_SIMT_STEPS].name));
+}
+
 static bool is_layout(const source *s)
 {
     return bb_table_get_rounds(s->table, s->row, bb_fields[BB_F_BUILD_LAYOUTS_MS].name) != NULL;
@@ -288,7 +316,7 @@ static uint32_t build_of(const source *s)
     return bb_table_find(s->table, build);
 }
 
-/* Rows with a maker are parts of a build, of which only layouts are cells. A build without a key is
+/* Rows with a maker are parts, of which only layouts and simulations are cells. A build without a key is
  * of another program's tree, and an unmeasured one is another shard's. */
 static bb_status add_row_of_run(const source *s)
 {
@@ -298,7 +326,9 @@ static bb_status add_row_of_run(const source *s)
     if (key[0] == '\0' || strcmp(text_of(s, row, BB_F_BUILD_UNMEASURED), "yes") == 0)
         return BB_OK;
     if (part)
-        return is_layout(s) ? add_layout(s, row) : BB_OK;
+        return is_layout(s)       ? add_layout(s, row)
+               : is_simulation(s) ? add_simulation(s, row)
+                                  : BB_OK;
     return bb_table_name(s->table, s->row, BB_QUESTION)[0] != '\0' ? add_trace(s, key)
                                                                    : add_build(s, key);
 }

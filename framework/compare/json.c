@@ -71,6 +71,21 @@ static void put_accuracy(bb_json *json, const bb_summary_accuracy *accuracy)
     bb_json_end_object(json);
 }
 
+static void put_simulation(bb_json *json, const bb_summary *s, const bb_summary_simulation *of)
+{
+    bb_json_object(json, NULL);
+    bb_json_add_text(json, "name", of->name);
+    bb_json_add_text(json, "binds", bb_binding_word(of->binds));
+    bb_json_add_number(json, "sets", of->sets);
+    bb_json_add_number(json, "correlation", of->correlation);
+    bb_json_add_number(json, "stability", of->stability);
+    bb_json_array(json, "mrays_s"); /* of each row */
+    for (uint32_t i = 0; i < s->row_count; i++)
+        bb_json_add_number(json, NULL, of->mrays_s[i]);
+    bb_json_end_array(json);
+    bb_json_end_object(json);
+}
+
 static void put_summary(bb_json *json, const bb_summary *s, const bb_summary_choice *choice)
 {
     bb_json_object(json, NULL);
@@ -92,6 +107,10 @@ static void put_summary(bb_json *json, const bb_summary *s, const bb_summary_cho
     bb_json_array(json, "accuracy");
     for (uint32_t i = 0; i < s->accuracy_count; i++)
         put_accuracy(json, &s->accuracy[i]);
+    bb_json_end_array(json);
+    bb_json_array(json, "simulations");
+    for (uint32_t i = 0; i < s->simulation_count; i++)
+        put_simulation(json, s, &s->simulations[i]);
     bb_json_end_array(json);
     bb_json_array(json, "sentences");
     for (uint32_t i = 0; i < s->sentence_count; i++) {

@@ -465,6 +465,8 @@ bb_status bb_summary_of(const bb_numbers *numbers, const bb_summary_choice *choi
         status = make_rows(&v, choice, enters, summary);
     if (status == BB_OK)
         status = bb_summary_accuracies(numbers->results, choice, summary);
+    if (status == BB_OK)
+        status = bb_summary_simulations(numbers->results, choice, summary);
     if (status == BB_OK) {
         bb_summary_say(summary);
         status = bb_summary_say_predictions(numbers->results, choice, summary);
@@ -494,5 +496,9 @@ void bb_summary_free(bb_summary *summary)
 {
     free(summary->rows);
     free(summary->accuracy);
+    for (uint32_t i = 0; i < summary->simulation_count; i++) {
+        free(summary->simulations[i].mrays_s);
+        free(summary->simulations[i].binds_row);
+    }
     memset(summary, 0, sizeof *summary);
 }

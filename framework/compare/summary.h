@@ -82,6 +82,19 @@ typedef struct bb_summary_accuracy {
     uint32_t cells;
 } bb_summary_accuracy;
 
+/* A simulation of all traces that enter (framework/simulate/): not measured. */
+typedef struct bb_summary_simulation {
+    const char *name; /* "simt:device=h100,width=32" */
+    /* of each row, with its fastest kernel on each ray set, the geometric mean of the bounds; NAN:
+     * not of all ray sets, or a reference */
+    double *mrays_s;
+    bb_binding *binds_row; /* of each row: on most of its ray sets */
+    uint32_t sets;         /* ray sets */
+    bb_binding binds;      /* on most of them, over all rows */
+    double correlation;    /* Kendall's, of the builders' ranks with those measured; NAN: too few */
+    double stability;      /* the same with the ranks of the first simulation */
+} bb_summary_simulation;
+
 typedef struct bb_sentence {
     char label[24];
     char text[1000];
@@ -104,6 +117,8 @@ typedef struct bb_summary {
     double distinct;       /* distinct rays among these answers */
     bb_summary_accuracy *accuracy;
     uint32_t accuracy_count;
+    bb_summary_simulation simulations[BB_SIMT_MAX];
+    uint32_t simulation_count;
     bb_sentence sentences[BB_SUMMARY_SENTENCES];
     uint32_t sentence_count;
 } bb_summary;

@@ -131,6 +131,10 @@ void bb_summary_say(bb_summary *summary);
 bb_status bb_summary_say_predictions(const bb_results *results, const bb_summary_choice *choice,
                                      bb_summary *summary);
 
+/* Fills the simulations. */
+bb_status bb_summary_simulations(const bb_results *results, const bb_summary_choice *choice,
+                                 bb_summary *summary);
+
 /* Fills accuracy and accuracy_count. */
 bb_status bb_summary_accuracies(const bb_results *results, const bb_summary_choice *choice,
                                 bb_summary *summary);

@@ -340,6 +340,56 @@ static void say_accuracy(bb_summary *s)
     say(sentence, "; all else here is `exact`");
 }
 
+/* Returns the row that a simulation puts first but for those that are left out; UINT32_MAX: none. */
+static uint32_t first_simulated(const bb_summary *s, const bb_summary_simulation *of,
+                                uint32_t left_out)
+{
+    uint32_t first = UINT32_MAX;
+    for (uint32_t i = 0; i < s->builder_count; i++)
+        if (i != left_out && isfinite(of->mrays_s[i]) &&
+            (first == UINT32_MAX || of->mrays_s[i] > of->mrays_s[first]))
+            first = i;
+    return first;
+}
+
+/* Says which builders change places from the first simulation to this one, and what binds them. */
+static void say_swaps(bb_sentence *sentence, const bb_summary *s, const bb_summary_simulation *of)
+{
+    const bb_summary_simulation *first = &s->simulations[0];
+    uint32_t swaps = 0;
+    say(sentence, "; ranks agree with those of %s by %.2f", first->name + sizeof BB_SIMT,
+        of->stability);
+    for (uint32_t i = 0; i < s->builder_count; i++)
+        for (uint32_t k = 0; k < i; k++) {
+            const double before = first->mrays_s[i] - first->mrays_s[k];
+            if (!(before * (of->mrays_s[i] - of->mrays_s[k]) < 0) || swaps++ >= 3)
+                continue;
+            const uint32_t a = before > 0 ? i : k, b = before > 0 ? k : i;
+            say(sentence, "%s %s (%s) behind %s (%s)", swaps == 1 ? ":" : ",", s->rows[a].name,
+                bb_binding_word(of->binds_row[a]), s->rows[b].name,
+                bb_binding_word(of->binds_row[b]));
+        }
+    if (swaps > 3)
+        say(sentence, " and %u pairs more", swaps - 3);
+}
+
+static void say_simulated(bb_summary *s, const bb_summary_simulation *of)
+{
+    const uint32_t first = first_simulated(s, of, UINT32_MAX), next = first_simulated(s, of, first);
+    if (first == UINT32_MAX)
+        return;
+    bb_sentence *sentence = begin(s, "Simulated");
+    say(sentence, "not measured, %s: %s at most %.0f Mrays/s, bound by %s on most ray sets",
+        of->name + sizeof BB_SIMT, s->rows[first].name, of->mrays_s[first],
+        bb_binding_word(of->binds));
+    if (next != UINT32_MAX)
+        say(sentence, "; %s %.2fx", s->rows[next].name, of->mrays_s[next] / of->mrays_s[first]);
+    if (isfinite(of->correlation))
+        say(sentence, "; ranks agree with those measured here by %.2f (Kendall)", of->correlation);
+    if (of != &s->simulations[0] && isfinite(of->stability))
+        say_swaps(sentence, s, of);
+}
+
 void bb_summary_say(bb_summary *summary)
 {
     say_traces(summary);
@@ -353,6 +403,8 @@ void bb_summary_say(bb_summary *summary)
         say_yardsticks(summary);
     say_untimed(summary);
     say_accuracy(summary);
+    for (uint32_t i = 0; i < summary->simulation_count; i++)
+        say_simulated(summary, &summary->simulations[i]);
 }
 
 /* The least and the largest error over the kinds of rays, as in "4 to 7 %". */

@@ -31,11 +31,16 @@ typedef struct bb_heat_map {
     double top;          /* the last colour's value; more than 99.9 % of rays are not above it */
 } bb_heat_map;
 
+/* What a picture of counts calls them: "tests per ray", "boxes", "primitives". */
+typedef struct bb_heat_words {
+    const char *all, *boxes, *prims;
+} bb_heat_words;
+
 /* Draws box and primitive tests of each ray with bb_colour_map(), from 0 to heat->top, a labelled
  * colour bar on the right and the means below. The rays' picture is the upper left part of the
  * canvas, which must be zeroed; bb_canvas_free() frees it. */
-bb_status bb_picture_heat(const bb_rays *rays, const bb_count *counts, bb_canvas *canvas,
-                          bb_heat_map *heat);
+bb_status bb_picture_heat(const bb_rays *rays, const bb_count *counts, const bb_heat_words *words,
+                          bb_canvas *canvas, bb_heat_map *heat);
 
 /* Draws classes (bb_class) over the scene in faint grey: missed dark red, false amber, wrong t
  * violet, ties light blue. Wrong pixels are enlarged so that single rays are visible. A legend

@@ -107,15 +107,17 @@ static void draw_rays(bb_canvas *canvas, const bb_rays *rays, const bb_count *co
     }
 }
 
-bb_status bb_picture_heat(const bb_rays *rays, const bb_count *counts, bb_canvas *canvas,
-                          bb_heat_map *heat)
+bb_status bb_picture_heat(const bb_rays *rays, const bb_count *counts, const bb_heat_words *called,
+                          bb_canvas *canvas, bb_heat_map *heat)
 {
     BB_TRY(find_scale(counts, rays->count, heat));
     bar b = place_bar(rays, heat);
-    bb_legend_item words[5] = {{.text = "tests per ray"}};
+    bb_legend_item words[5];
+    memset(words, 0, sizeof words);
+    snprintf(words[0].text, sizeof words[0].text, "%s", called->all);
     snprintf(words[1].text, sizeof words[1].text, "mean %.1f", heat->boxes + heat->prims);
-    snprintf(words[2].text, sizeof words[2].text, "boxes %.1f", heat->boxes);
-    snprintf(words[3].text, sizeof words[3].text, "primitives %.1f", heat->prims);
+    snprintf(words[2].text, sizeof words[2].text, "%s %.1f", called->boxes, heat->boxes);
+    snprintf(words[3].text, sizeof words[3].text, "%s %.1f", called->prims, heat->prims);
     snprintf(words[4].text, sizeof words[4].text, "most %.0f", heat->most);
     uint32_t width = b.x + b.width + (TICK + 2 + GAP) * b.scale + bb_text_width(b.top, b.scale);
     uint32_t least = bb_legend_width(words, 5, b.scale);

@@ -17,9 +17,11 @@
 #include "framework/record/cell.h"
 #include "framework/record/schema.h"
 #include "framework/scene/scene.h"
+#include "framework/simulate/simulate.h"
 
 enum {
     BB_LAYOUTS_MAX = 48,     /* most layouts of one tree */
+    BB_SIMT_MAX = 4,         /* most simulations of one trace */
     BB_RECORD_STEPS_MAX = 5, /* most steps of a pipeline: its stages and what comes between them */
     BB_RECORD_PHASES_MAX = 64,
 };
@@ -119,7 +121,12 @@ typedef struct bb_trace_record {
     uint32_t warm_rounds;  /* rounds before those in the samples */
     char traced_on[8];     /* "CPU" for a reference beside another device; "": the run's device */
     char unlike_whom[256]; /* key of that cell; "" if this one was not compared */
-    bool counts_for_exit;  /* an `exact` cell that is no reference */
+    uint32_t simulated_count;
+    struct {
+        char name[80]; /* "simt:device=h100,width=32" */
+        bb_simulation simulation;
+    } simulated[BB_SIMT_MAX];
+    bool counts_for_exit; /* an `exact` cell that is no reference */
     bool wrong; /* above the limit; shown as WRONG if it counts for the exit, else as `wrong` */
     bool reference;
 } bb_trace_record;

@@ -28,13 +28,14 @@ const bb_field bb_fields[BB_FIELDS] = {
 
 /* ---- columns ---- */
 
-/* Times differ from one run to the next, and so do rates. */
+/* Times differ from one run to the next, and so do rates, but for those that are simulated. */
 static void set_sense(bb_column *column)
 {
     const size_t length = strlen(column->unit);
     const bool rate = length > 2 && strcmp(column->unit + length - 2, "/s") == 0;
     const bool time = strcmp(column->unit, "ms") == 0;
-    column->sense = rate || time ? BB_SENSE_TIMED : BB_SENSE_EXACT;
+    const bool simulated = strncmp(column->name, "simt_", 5) == 0;
+    column->sense = (rate || time) && !simulated ? BB_SENSE_TIMED : BB_SENSE_EXACT;
     column->better = time ? BB_BETTER_LESS : rate ? BB_BETTER_MORE : BB_BETTER_NEITHER;
 }
 

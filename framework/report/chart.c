@@ -141,10 +141,11 @@ static double ms_at(const bb_entry *trace, bb_field_id rate)
 /* Makes one cell of `views` entries that differ only in their view. The ends of the views'
  * intervals are added up, which is no narrower than an interval of the sum. If one view has no
  * interval, the cell has none. */
-static bb_chart_cell make_cell(const entry *entries, uint32_t views)
+static bb_chart_cell make_cell(const bb_charts *charts, const entry *entries, uint32_t views)
 {
     bb_chart_cell cell = first_cell(entries);
     double low_ms = 0, high_ms = 0, least_ms = 0, most_ms = 0, wrong = 0;
+    double simulated_us[BB_SIMT_MAX] = {0};
     for (uint32_t i = 0; i < views; i++) {
         const bb_entry *trace = entries[i].trace;
         double count = bb_get_number(trace, BB_F_TRACE_COUNT),
@@ -157,6 +158,9 @@ static bb_chart_cell make_cell(const entry *entries, uint32_t views)
         high_ms += ms_at(trace, BB_F_TRACE_RATE_LO);
         least_ms += ms_at(trace, BB_F_TRACE_RATE_MOST);
         most_ms += ms_at(trace, BB_F_TRACE_RATE_LEAST);
+        cell.work += count * bb_get_number(trace, BB_F_TRACE_WORK);
+        for (uint32_t s = 0; s < charts->simulation_count; s++)
+            simulated_us[s] += count / bb_get_named(trace, BB_F_TRACE_SIMT, charts->simulations[s]);
         double checked = bb_get_number(trace, BB_F_ACCURACY_CHECKED);
         cell.checked += checked;
         wrong += round(ppm * checked / 1e6);
@@ -174,24 +178,29 @@ static bb_chart_cell make_cell(const entry *entries, uint32_t views)
     cell.mrays_s_least = cell.count / most_ms / 1e3;
     cell.mrays_s_most = cell.count / least_ms / 1e3;
     cell.wrong = bb_wrong_rate_of(wrong, cell.checked);
+    cell.work /= cell.count;
+    for (uint32_t s = 0; s < BB_SIMT_MAX; s++)
+        cell.simulated[s] =
+            s < charts->simulation_count ? cell.count / simulated_us[s] : (double)NAN;
     return cell;
 }
 
-static void add_cell(bb_chart_set *set, const entry *entries, uint32_t views)
+static void add_cell(const bb_charts *charts, bb_chart_set *set, const entry *entries,
+                     uint32_t views)
 {
-    set->cells[set->cell_count++] = make_cell(entries, views);
+    set->cells[set->cell_count++] = make_cell(charts, entries, views);
 }
 
 /* Adds the cells of all views together. Cells that lack a view are left out, since their sums would
  * not be comparable. `entries` are of one scene and rays; their order changes. */
-static void add_together(bb_chart_set *set, entry *entries, uint32_t count)
+static void add_together(const bb_charts *charts, bb_chart_set *set, entry *entries, uint32_t count)
 {
     group_entries(entries, count, by_cell, compare_cells);
     qsort(entries, count, sizeof *entries, by_group);
     for (uint32_t i = 0, views; i < count; i += views) {
         views = group_size(entries, count, i);
         if (views == set->views)
-            add_cell(set, entries + i, views);
+            add_cell(charts, set, entries + i, views);
         else
             set->incomplete++;
     }
@@ -228,12 +237,12 @@ static void add_sets(bb_charts *charts, entry *entries, uint32_t count, const ch
             views[view_count++] = view;
     }
     together->views = view_count;
-    add_together(together, entries, count);
+    add_together(charts, together, entries, count);
     for (uint32_t v = 0; view_count > 1 && v < view_count; v++) {
         bb_chart_set *set = add_set(charts, entries, views[v]);
         for (uint32_t i = 0; i < count; i++)
             if (strcmp(bb_get_text(entries[i].trace, BB_F_TRACE_VIEW), views[v]) == 0)
-                add_cell(set, &entries[i], 1);
+                add_cell(charts, set, &entries[i], 1);
     }
 }
 
@@ -267,6 +276,23 @@ static void size_sets(entry *entries, uint32_t count)
     }
 }
 
+/* Names each simulation once. */
+static void find_simulations(const bb_section *traces, bb_charts *charts)
+{
+    bb_each(trace, traces)
+    {
+        bb_each_part(part, trace, BB_F_TRACE_SIMT)
+        {
+            uint32_t i = 0;
+            while (i < charts->simulation_count &&
+                   strcmp(charts->simulations[i], bb_part_name(part)) != 0)
+                i++;
+            if (i == charts->simulation_count && i < BB_SIMT_MAX)
+                charts->simulations[charts->simulation_count++] = bb_part_name(part);
+        }
+    }
+}
+
 bb_status bb_charts_make(bb_results *results, bb_charts *out)
 {
     const bb_section *traces = bb_results_section(results, BB_TRACES);
@@ -284,6 +310,7 @@ bb_status bb_charts_make(bb_results *results, bb_charts *out)
         bb_charts_free(out);
         goto out;
     }
+    find_simulations(traces, out);
     count = collect(traces, entries);
     size_sets(entries, count);
     group_entries(entries, count, by_rays, compare_rays);

@@ -25,6 +25,8 @@ typedef struct bb_chart_cell {
     double fixed_ms; /* time before the first ray: boxes, build, transfer, layout, and
                       * what is left out of the build (bb_left_out_ms()) */
     double metrics[BB_METRICS_MAX]; /* as bb_metrics; of the layout as traced, if known */
+    double work;                    /* counted, per ray */
+    double simulated[BB_SIMT_MAX];  /* as bb_charts.simulations: bounds, Mrays/s */
     bool reference;
     bool usable; /* a reference, or within the run's limit of wrong rays */
 } bb_chart_cell;
@@ -39,6 +41,8 @@ typedef struct bb_chart_set {
 } bb_chart_set;
 
 typedef struct bb_charts {
+    const char *simulations[BB_SIMT_MAX]; /* their names, in the results */
+    uint32_t simulation_count;
     uint32_t set_count;
     bb_chart_set *sets; /* for each scene and rays, first all views together, then each view */
     bb_chart_cell *cells;

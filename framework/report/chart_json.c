@@ -2,7 +2,7 @@
 #include "framework/base/json.h"
 #include "framework/report/chart.h"
 
-static void put_cell(bb_json *json, const bb_chart_cell *cell)
+static void put_cell(bb_json *json, const bb_charts *charts, const bb_chart_cell *cell)
 {
     const struct {
         const char *name;
@@ -36,6 +36,9 @@ static void put_cell(bb_json *json, const bb_chart_cell *cell)
     bb_json_object(json, "metrics");
     for (uint32_t i = 0; i < bb_metric_count(); i++)
         bb_json_add_number(json, bb_metrics[i]->name, cell->metrics[i]);
+    bb_json_add_number(json, bb_fields[BB_F_TRACE_WORK].name, cell->work);
+    for (uint32_t i = 0; i < charts->simulation_count; i++)
+        bb_json_add_number(json, charts->simulations[i], cell->simulated[i]);
     bb_json_end_object(json);
     bb_json_end_object(json);
 }
@@ -53,7 +56,7 @@ char *bb_charts_json(const bb_charts *charts)
         bb_json_add_number(&json, "incomplete", set->incomplete);
         bb_json_array(&json, "cells");
         for (uint32_t i = 0; i < set->cell_count; i++)
-            put_cell(&json, &set->cells[i]);
+            put_cell(&json, charts, &set->cells[i]);
         bb_json_end_array(&json);
         bb_json_end_object(&json);
     }

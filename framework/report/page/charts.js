@@ -197,7 +197,7 @@ function drawTime(set, cells) {
 
 /* ---- what is said of the tree, and what building it costs ---- */
 function drawQuality(set, cells) {
-  const metric = schema.metrics.find(m => m.name === $('pick-metric').value), name = metric.title;
+  const metric = measures.find(m => m.name === $('pick-metric').value), name = metric.title;
   const points = cells.filter(c => !c.reference).map(c => ({
     cell: c, key: builderKey(c), x: c.metrics[metric.name], y: c.mrays_s, none: c.none,
     ySpread: spreadOf(c, 'mrays_s') }));

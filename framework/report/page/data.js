@@ -93,6 +93,11 @@ const metricOf = (build, metric) => (build.tree || {})[metric.name];
 const metrics = [false, true].flatMap(onRequest => schema.metrics.filter(m => m.on_request === onRequest &&
   (!onRequest || builds.some(b => isNumber(metricOf(b, m))))));
 
+/* What speed is drawn against: these, counted work, and simulations. */
+const measures = [...schema.metrics, { name: 'work_per_ray', title: 'counted work', unit: 'per ray' },
+  ...[...new Set(sets.flatMap(s => s.cells.flatMap(c => Object.keys(c.metrics))))].filter(name => name.startsWith('simt:'))
+    .map(name => ({ name, title: `simulated speed, not measured (${name.slice(5)})`, unit: 'Mrays/s at most' }))];
+
 /* ---- the cells of the charts, computed with the results (framework/report/chart.h) ---- */
 for (const set of sets) {
   for (const cell of set.cells) cell.t = traces[cell.trace];

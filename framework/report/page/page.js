@@ -75,8 +75,8 @@ function pictureGrid() {
 /* What each metric is, and a choice of it. */
 function metricTexts() {
   $('after-metrics').before(...schema.metrics.flatMap(m => [el('dt', {}, m.title), el('dd', {}, m.summary)]));
-  $('pick-metric').replaceChildren(...schema.metrics.map(m =>
-    el('option', { value: m.name, selected: m.of_layouts }, `${m.title} of the ${m.of_layouts ? 'layout as traced' : 'tree'}`)));
+  $('pick-metric').replaceChildren(...measures.map(m =>
+    el('option', { value: m.name, selected: m.of_layouts }, m.summary ? `${m.title} of the ${m.of_layouts ? 'layout as traced' : 'tree'}` : m.title)));
 }
 
 /* ---- what is chosen ---- */

@@ -1,0 +1,92 @@
+#include "framework/simulate/costs.h"
+
+#include "framework/device/device_private.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { COLUMNS_MOST = 32, CELL_MOST = 64 };
+
+/* A table of tab-separated columns: comments, a line of headings, rows. */
+typedef struct row {
+    char cells[COLUMNS_MOST][CELL_MOST];
+    uint32_t count;
+} row;
+
+/* Reads the line at *text, and moves on; returns false at the end. Comments are left out. */
+static bool read_row(const char **text, row *r)
+{
+    while (**text == '#') {
+        *text = strchr(*text, '\n');
+        if (*text == NULL)
+            return false;
+        ++*text;
+    }
+    if (**text == '\0')
+        return false;
+    r->count = 0;
+    for (bool more = true; more;) {
+        const size_t length = strcspn(*text, "\t\n");
+        if (r->count < COLUMNS_MOST)
+            snprintf(r->cells[r->count++], CELL_MOST, "%.*s", (int)length, *text);
+        *text += length;
+        more = **text == '\t';
+        *text += **text != '\0';
+    }
+    return true;
+}
+
+static const char *cell_of(const row *headings, const row *r, const char *name)
+{
+    for (uint32_t i = 0; i < headings->count && i < r->count; i++)
+        if (strcmp(headings->cells[i], name) == 0)
+            return r->cells[i];
+    return "";
+}
+
+/* Finds the row of Debian 12's clang for this program's kernel `trace`. */
+static bool find_row(const char *program, row *headings, row *found)
+{
+    const char *text = bb_source_find("isa.tsv")->text;
+    bool is_headings = true;
+    row r;
+    while (read_row(&text, &r)) {
+        if (is_headings) {
+            *headings = r;
+            is_headings = false;
+        } else if (strcmp(cell_of(headings, &r, "clang"), "15") == 0 &&
+                   strcmp(cell_of(headings, &r, "program"), program) == 0 &&
+                   strcmp(cell_of(headings, &r, "kernel"), "trace") == 0) {
+            *found = r;
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool find_program(const char *program, const char *code, bb_costs *costs)
+{
+    static const char *const columns[BB_ISSUE_KINDS] = {
+        [BB_STEP_NODE] = "step_node",       [BB_STEP_PUSH] = "step_push",
+        [BB_STEP_PRIMS] = "step_prims",     [BB_STEP_POP] = "step_pop",
+        [BB_STEP_RESTART] = "step_restart", [BB_ISSUE_BEGIN] = "step_begin"};
+    row headings, r;
+    char column[32];
+    if (!find_row(program, &headings, &r))
+        return false;
+    for (uint32_t k = 0; k < BB_ISSUE_KINDS; k++)
+        costs->instructions[k] =
+            columns[k] != NULL ? strtod(cell_of(&headings, &r, columns[k]), NULL) : 0;
+    snprintf(column, sizeof column, strcmp(code, "sm_90") == 0 ? "%s_registers" : "%s_vgprs", code);
+    costs->registers = (uint32_t)strtoul(cell_of(&headings, &r, column), NULL, 10);
+    return costs->registers > 0 && costs->instructions[BB_STEP_NODE] > 0;
+}
+
+bb_status bb_costs_find(const bb_spec *spec, const char *code, bb_costs *costs)
+{
+    if (find_program(spec->text, code, costs) || find_program(spec->name, code, costs))
+        return BB_OK;
+    return bb_fail(BB_UNSUPPORTED, "kernels/isa.tsv has no steps of kernel %s for %s", spec->name,
+                   code);
+}

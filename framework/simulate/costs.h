@@ -1,0 +1,20 @@
+/* What a kernel's code costs on a GPU: its instructions for each step, and its registers, as a
+ * compiler made them (kernels/isa.tsv, by scripts/isa). No compiler is needed here. */
+#ifndef BB_COSTS_H
+#define BB_COSTS_H
+
+#include "framework/base/options.h"
+#include "framework/simulate/warp.h"
+
+typedef struct bb_costs {
+    /* of a group for each step of a kind: all of its loop, once, those in branches too; of
+     * BB_ISSUE_BEGIN: all outside of loops */
+    double instructions[BB_ISSUE_KINDS];
+    uint32_t registers; /* of a ray */
+} bb_costs;
+
+/* Finds those of a kernel, given by its specification: with its options, or else without. `code`:
+ * whose registers (bb_description). BB_UNSUPPORTED if the table has no row of it. */
+bb_status bb_costs_find(const bb_spec *spec, const char *code, bb_costs *costs);
+
+#endif

@@ -1,0 +1,23 @@
+#include "framework/simulate/divergence.h"
+
+#include "framework/base/arithmetic.h"
+#include "framework/simulate/warp.h"
+
+void bb_divergence(const bb_steps *steps, const bb_footing *footing, uint32_t width,
+                   bb_count *waits)
+{
+    bb_warp warp;
+    bb_issue issue;
+    for (uint32_t first = 0; first < steps->rays; first += width) {
+        const uint32_t lanes = bb_min_u32(width, steps->rays - first);
+        bb_warp_start(&warp, steps, footing->control, footing->ring, first, lanes);
+        for (uint32_t i = 0; i < lanes; i++)
+            waits[first + i] = (bb_count){0};
+        while (bb_warp_next(&warp, &issue))
+            for (uint32_t i = 0; i < lanes; i++) {
+                const bool waiting = (issue.lanes >> i & 1) == 0;
+                waits[first + i].nodes += waiting && issue.kind == BB_STEP_NODE;
+                waits[first + i].prims += waiting && issue.kind == BB_STEP_PRIMS;
+            }
+    }
+}

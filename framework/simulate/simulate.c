@@ -1,0 +1,132 @@
+#include "framework/simulate/simulate.h"
+
+#include "framework/base/arithmetic.h"
+#include "framework/simulate/costs.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Groups that each simulated unit runs in turn, at least: its first cache is then as full as in the
+ * midst of a large set. A sample that is too small for this on all units runs on fewer. */
+enum { TURNS = 4 };
+
+const bb_option bb_simt_options[] = {
+    {"device", "h100", NULL, "a GPU on paper: a name of devices/, or a file that ends in .json"},
+    {"width", "32", "32|64", "rays of a group that run in lockstep"},
+    {"cache", "1", "0.25|0.5|1|2|4", "both caches are so many times as large"},
+    {.name = NULL},
+};
+
+bool bb_is_simt(const char *text)
+{
+    const size_t length = sizeof BB_SIMT - 1;
+    return strncmp(text, BB_SIMT, length) == 0 && (text[length] == '\0' || text[length] == ':');
+}
+
+bb_status bb_simt_parse(const char *text, bb_simt *simt)
+{
+    bb_spec spec;
+    BB_TRY(bb_spec_parse(text, &spec));
+    BB_TRY(bb_spec_validate(&spec, bb_simt_options, "metric"));
+    const char *device = bb_spec_value(&spec, bb_simt_options, "device");
+    const char *width = bb_spec_value(&spec, bb_simt_options, "width");
+    BB_TRY(bb_description_read(device, &simt->device));
+    simt->width = (uint32_t)strtoul(width, NULL, 10);
+    const char *cache = bb_spec_value(&spec, bb_simt_options, "cache");
+    const double factor = strtod(cache, NULL);
+    simt->device.first_bytes *= factor;
+    simt->device.second_bytes *= factor;
+    snprintf(simt->name, sizeof simt->name, BB_SIMT ":device=%s,width=%u%s%s", simt->device.name,
+             simt->width, factor != 1 ? ",cache=" : "", factor != 1 ? cache : "");
+    return BB_OK;
+}
+
+const char *bb_binding_word(bb_binding binding)
+{
+    static const char *const words[] = {"issue", "L1", "L2", "memory"};
+    return words[binding];
+}
+
+static bb_machine machine_for(const bb_description *d, uint32_t width, uint32_t in_flight,
+                              uint32_t rays)
+{
+    const uint32_t units = bb_divide_up(rays, width) / (TURNS * in_flight);
+    return (bb_machine){.width = width,
+                        .units = bb_max_u32(bb_min_u32(units, (uint32_t)d->units), 1),
+                        .in_flight = in_flight,
+                        .first_bytes = (uint64_t)d->first_bytes,
+                        .first_ways = (uint32_t)d->first_ways,
+                        .second_bytes = (uint64_t)d->second_bytes,
+                        .second_ways = (uint32_t)d->second_ways};
+}
+
+static double share(uint64_t part, uint64_t whole)
+{
+    return whole > 0 ? (double)part / (double)whole : (double)NAN;
+}
+
+static void find_figures(const bb_simt *simt, const bb_costs *costs, bb_simulation *s)
+{
+    const bb_traffic *t = &s->traffic;
+    const bb_issued *nodes = &t->issued[BB_STEP_NODE], *prims = &t->issued[BB_STEP_PRIMS];
+    const bb_issued *pushes = &t->issued[BB_STEP_PUSH], *pops = &t->issued[BB_STEP_POP];
+    double instructions = 0, active = 0;
+    uint64_t steps = 0;
+    for (uint32_t k = 0; k < BB_ISSUE_KINDS; k++) {
+        instructions += (double)t->issued[k].count * costs->instructions[k];
+        active += (double)t->issued[k].lanes * costs->instructions[k];
+        steps += k < BB_STEP_KINDS ? t->issued[k].count : 0;
+    }
+    s->efficiency = instructions > 0 ? active / (instructions * simt->width) : (double)NAN;
+    s->node_efficiency = bb_efficiency(t, BB_STEP_NODE, simt->width);
+    s->prim_efficiency = bb_efficiency(t, BB_STEP_PRIMS, simt->width);
+    s->steps = share(steps * simt->width, t->rays);
+    s->lines = share(nodes->lines + prims->lines, nodes->count + prims->count);
+    s->stack_bytes = share((pushes->sectors + pops->sectors) * BB_SECTOR_BYTES, t->rays);
+    s->first_hits = share(t->first_hits, t->first);
+    s->second_hits = share(t->second_hits, t->second);
+    s->memory_bytes = share((t->read + t->written) * BB_SECTOR_BYTES, t->rays);
+}
+
+static void find_bounds(const bb_simt *simt, const bb_costs *costs, bb_simulation *s)
+{
+    const bb_description *d = &simt->device;
+    const bb_traffic *t = &s->traffic;
+    const double clock = d->clock_ghz * 1e9, turns = ceil(simt->width / d->lanes);
+    double instructions = 0;
+    for (uint32_t k = 0; k < BB_ISSUE_KINDS; k++)
+        instructions += (double)t->issued[k].count * costs->instructions[k];
+    const double seconds[BB_BINDINGS] = {
+        [BB_BY_ISSUE] = instructions * turns / (d->units * d->issues_per_clock * clock),
+        [BB_BY_FIRST] =
+            (double)t->first * BB_SECTOR_BYTES / (d->units * d->first_bytes_per_clock * clock),
+        [BB_BY_SECOND] = (double)(t->second + t->second_written) * BB_SECTOR_BYTES /
+                         (d->second_bytes_per_clock * clock),
+        [BB_BY_MEMORY] = (double)(t->read + t->written) * BB_SECTOR_BYTES / (d->memory_gb_s * 1e9),
+    };
+    s->binds = BB_BY_ISSUE;
+    for (int i = 0; i < BB_BINDINGS; i++) {
+        s->mrays_s[i] = seconds[i] > 0 ? (double)t->rays / seconds[i] / 1e6 : (double)INFINITY;
+        if (s->mrays_s[i] < s->mrays_s[s->binds])
+            s->binds = (bb_binding)i;
+    }
+}
+
+bb_status bb_simulate(const bb_simt *simt, const bb_traverser_request *request,
+                      const bb_layout_data *layout, const bb_steps *steps,
+                      bb_simulation *simulation)
+{
+    bb_costs costs;
+    *simulation = (bb_simulation){.in_flight = 0};
+    BB_TRY(bb_costs_find(request->spec, simt->device.code, &costs));
+    simulation->in_flight = bb_description_in_flight(&simt->device, costs.registers, simt->width);
+    const bb_machine machine =
+        machine_for(&simt->device, simt->width, simulation->in_flight, steps->rays);
+    const bb_footing footing = bb_footing_of(request, layout);
+    BB_TRY(bb_machine_run(&machine, &footing, steps, &simulation->traffic));
+    find_figures(simt, &costs, simulation);
+    find_bounds(simt, &costs, simulation);
+    return BB_OK;
+}

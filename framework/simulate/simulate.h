@@ -1,0 +1,65 @@
+/* Simulates the trace of a ray set on a GPU on paper: the steps of a sample of groups are recorded,
+ * replayed in lockstep, and run through its caches. Bounds follow from what was counted. Nothing
+ * here is timed: the same figures come out on any machine.
+ *
+ * Left out: how long loads take beyond what the groups in flight hide, how a scheduler chooses among
+ * them, hardware for ray tracing, and instructions that two groups could issue together.
+ */
+#ifndef BB_SIMULATE_H
+#define BB_SIMULATE_H
+
+#include "framework/simulate/description.h"
+#include "framework/simulate/machine.h"
+
+#define BB_SIMT "simt"
+
+enum { BB_SIMT_GROUPS = 1 << 10 }; /* groups of rays of a sample, at least */
+
+/* What `--metrics simt:device=h100,width=32` asks for. */
+typedef struct bb_simt {
+    char name[80]; /* as recorded, with its options in one order: "simt:device=h100,width=32" */
+    bb_description device;
+    uint32_t width; /* rays of a group */
+} bb_simt;
+
+extern const bb_option bb_simt_options[];
+/* Returns whether `text` asks for a simulation, well or not. */
+bool bb_is_simt(const char *text);
+/* BB_INVALID for an unknown option, value or device. */
+bb_status bb_simt_parse(const char *text, bb_simt *simt);
+
+/* What bounds the speed. */
+typedef enum bb_binding {
+    BB_BY_ISSUE,
+    BB_BY_FIRST,
+    BB_BY_SECOND,
+    BB_BY_MEMORY,
+    BB_BINDINGS
+} bb_binding;
+
+typedef struct bb_simulation {
+    bb_traffic traffic;
+    uint32_t in_flight; /* groups of a unit */
+    /* active lanes per lane issued: over all instructions, of nodes, of primitives */
+    double efficiency, node_efficiency, prim_efficiency;
+    double steps;       /* per ray: taken by its group, whether it is active or not */
+    double lines;       /* distinct lines per step that reads nodes or primitives */
+    double stack_bytes; /* per ray, of stack entries */
+    double
+        first_hits; /* share of sectors found in the first cache, and of the rest in the second */
+    double second_hits;
+    double memory_bytes;         /* per ray */
+    double mrays_s[BB_BINDINGS]; /* bounds */
+    bb_binding binds;            /* the least of them */
+} bb_simulation;
+
+/* The word for it: "issue", "L1", "L2", "memory". */
+const char *bb_binding_word(bb_binding binding);
+
+/* Simulates recorded steps of the request's kernel in this layout. BB_UNSUPPORTED if nothing is
+ * known of the kernel's code. */
+bb_status bb_simulate(const bb_simt *simt, const bb_traverser_request *request,
+                      const bb_layout_data *layout, const bb_steps *steps,
+                      bb_simulation *simulation);
+
+#endif

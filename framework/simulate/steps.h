@@ -1,0 +1,43 @@
+/* The steps of rays, recorded on the device by the recording variant of a kernel
+ * (kernels/steps_shared.h). */
+#ifndef BB_STEPS_H
+#define BB_STEPS_H
+
+#include "framework/judge/rays.h"
+#include "kernels/steps_shared.h"
+#include "traversal/traversal.h"
+
+/* Steps of rays 0 to rays - 1: those of ray i are words[ends[i - 1]] to words[ends[i] - 1]; the
+ * first begins at 0. */
+typedef struct bb_steps {
+    uint32_t rays;
+    uint32_t *ends;
+    uint32_t *words;
+} bb_steps;
+
+enum {
+    /* Rays of a sample that follow each other, so that groups have their neighbours. */
+    BB_STEPS_RUN = 1 << 11,
+    /* Words that are recorded at most: 1 GiB. */
+    BB_STEPS_MOST = 1 << 28,
+};
+
+/* Traces rays[0..count), or a sample of `most` of them, in runs that are evenly spaced, by the
+ * recording variant of what is requested; `most` is a multiple of BB_STEPS_RUN. BB_UNSUPPORTED if
+ * the kernel has none. BB_REFUSED if there are more than BB_STEPS_MOST steps, or no room for them. */
+bb_status bb_steps_record(bb_device *device, const bb_traverser_request *request,
+                          const bb_layout_data *layout, const bb_ray *rays, uint32_t count,
+                          uint32_t most, bb_steps *steps);
+void bb_steps_release(bb_steps *steps); /* a zeroed one is allowed */
+
+static inline uint32_t bb_step_kind(uint32_t word)
+{
+    return word >> BB_STEP_INDEX_BITS;
+}
+
+static inline uint32_t bb_step_index(uint32_t word)
+{
+    return word & BB_STEP_INDEX_MASK;
+}
+
+#endif

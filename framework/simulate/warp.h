@@ -1,0 +1,53 @@
+/* A group of rays that run in lockstep, as a GPU's warps do, replayed from the steps of each.
+ *
+ * All rays of a group that have the next step of one kind take it together; the others wait. In
+ * which order the kinds have their turns is the kernel's control structure (bb_control), whose
+ * loops the group leaves only when its last ray does:
+ *
+ *   loop: nodes: while a ray that has not left this loop is at a node: these take it, then push
+ *                (if-if: once)
+ *         primitives: while a ray is at one
+ *         pops: while a ray pops or restarts: these pop, then those restart
+ *
+ * Aila and Laine 2009, "Understanding the Efficiency of Ray Traversal on GPUs": while-while and
+ * if-if; SIMD efficiency is the share of the lanes that are active, over all that is issued.
+ */
+#ifndef BB_WARP_H
+#define BB_WARP_H
+
+#include "framework/simulate/steps.h"
+
+enum { BB_WARP_MOST = 64 }; /* lanes */
+
+/* Kinds of what is issued: those of steps, and a ray's beginning and end. */
+enum { BB_ISSUE_BEGIN = BB_STEP_KINDS, BB_ISSUE_END, BB_ISSUE_KINDS };
+
+/* What a group does at a time: the same step for all active lanes. */
+typedef struct bb_issue {
+    uint32_t kind;
+    uint64_t lanes; /* bit i: lane i is active */
+    /* of each active lane: the node, the primitive, the place of the stack entry, the ray */
+    uint32_t index[BB_WARP_MOST];
+} bb_issue;
+
+typedef struct bb_warp {
+    const bb_steps *steps;
+    bb_control control;
+    uint32_t first, lanes;      /* its rays */
+    uint32_t ring;              /* entries of a short stack; 0: the stack has room for all */
+    uint32_t turn;              /* kind whose turn it is */
+    uint64_t at[BB_STEP_KINDS]; /* lanes whose next step is of this kind */
+    uint64_t looping;           /* lanes that have not left the loop of nodes */
+    uint64_t pushing;           /* lanes of the last node */
+    uint64_t restarting;        /* lanes that restart in this iteration of the loop of pops */
+    uint32_t next[BB_WARP_MOST], end[BB_WARP_MOST]; /* each lane's steps */
+    uint32_t top[BB_WARP_MOST];                     /* of each lane's stack */
+} bb_warp;
+
+/* Begins with rays first to first + lanes - 1; lanes is at most BB_WARP_MOST. */
+void bb_warp_start(bb_warp *warp, const bb_steps *steps, bb_control control, uint32_t ring,
+                   uint32_t first, uint32_t lanes);
+/* Gets what the group does next; returns false if all of its rays have ended. */
+bool bb_warp_next(bb_warp *warp, bb_issue *issue);
+
+#endif

@@ -1,0 +1,53 @@
+# Instructions of each step of a traversal, from assembly for gfx1030 in which BB_MARKING has left a
+# comment at each: NAME KERNEL COLUMN VALUE. A step costs all instructions of the loop that it is in,
+# but for those of loops inside. If a loop has steps of several kinds, the first has them all: node,
+# prims, pop, push, restart. Loops without a step belong to the pops, or the nodes; what is in no loop
+# to a ray's beginning.
+/^[A-Za-z_][A-Za-z0-9_]*:/ {
+    name_of = $1
+    sub(/:.*/, "", name_of)
+    in_kernel = name_of == "trace"
+    loop = ""
+}
+!in_kernel { next }
+/s_endpgm/ { counts[""]++; in_kernel = 0; next }
+# a block: its label or number, and what the comments behind it say of its loop
+/^\.LBB[0-9_]+:/ || /^; %bb\./ {
+    block = $1
+    sub(/^\.L/, "", block)
+    sub(/:.*/, "", block)
+    loop = ""
+    depth = 0
+}
+/in Loop: Header=/ {
+    loop = $0
+    sub(/.*Header=/, "", loop)
+    sub(/ .*/, "", loop)
+}
+/This (Inner )?Loop Header/ { loop = block }
+/^\t; bb_step / || /^[ \t]*; BB_STEP_/ {
+    kind = $2
+    loop_of[kind, ++places[kind]] = loop
+    next
+}
+/^\t[a-z]/ && !/^\t[.;]/ { counts[loop]++ }
+END {
+    split("NODE PRIMS POP PUSH RESTART", kinds, " ")
+    for (k = 1; k <= 5; k++) {
+        kind = "BB_STEP_" kinds[k]
+        sum = 0
+        for (i = 1; i <= places[kind]; i++) {
+            at = loop_of[kind, i]
+            if (at in owner || at == "") continue
+            owner[at] = k
+            sum += counts[at]
+        }
+        cost[k] = sum
+    }
+    for (at in counts)
+        if (at != "" && !(at in owner))
+            cost[places["BB_STEP_POP"] > 0 ? 3 : 1] += counts[at]
+    for (k = 1; k <= 5; k++)
+        print name, "trace", "step_" tolower(kinds[k]), cost[k]
+    print name, "trace", "step_begin", counts[""]
+}

@@ -1,0 +1,319 @@
+/* The replay of recorded steps (framework/simulate/) against work-groups that run the same traversals
+ * in lockstep on the device, by tests/lockstep/: the same steps, lanes, sectors and lines of each
+ * kind, to the last one. */
+#include "framework/base/arithmetic.h"
+#include "framework/base/file.h"
+#include "framework/base/random.h"
+#include "framework/builder/instance.h"
+#include "framework/judge/queries.h"
+#include "framework/simulate/machine.h"
+#include "tests/device_fixture.h"
+#include "tests/tree_fixture.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { RAYS = 150 }; /* groups of 32 and of 64, the last ones not whole */
+
+static const struct {
+    const char *kernel, *source;
+    uint32_t leaf, ring;
+    const char *defines;
+} cases[] = {
+    {"stack", "stack_lockstep.cl", 4, 0, "-DBB_STACK_SIZE=64"},
+    {"stack8", "stack8_lockstep.cl", 8, 0, "-DBB_STACK_SIZE=128 -DBB_WIDTH=8"},
+    {"stackless", "stackless_lockstep.cl", 1, 0, ""},
+    {"short:entries=4", "short_lockstep.cl", 1, 4, "-DBB_LEVELS=64 -DBB_ENTRIES=4"},
+    {"cwbvh", "cwbvh_lockstep.cl", 3, 0, "-DBB_STACK_SIZE=64"},
+};
+
+static const char *const scenes[] = {"interior:n=1000", "soup:n=500", "sphere-mesh:n=12"};
+
+/* Rays of a camera beside the scene, then rays at random, a tail of them short. */
+static void make_rays(const bb_scene *scene, bb_ray *rays)
+{
+    bb_random random = bb_random_make(seed, scene->prim_count);
+    const bb_box *box = &scene->bounds;
+    for (uint32_t i = 0; i < RAYS; i++) {
+        rays[i] = (bb_ray){.tmax = i % 7 == 3 ? 0.5f : INFINITY};
+        for (int k = 0; k < 3; k++) {
+            const float size = box->hi[k] - box->lo[k];
+            float from = box->lo[k] + 0.3f * size;
+            float at = k == 0   ? box->lo[k] + size * (float)(i % 16) / 16
+                       : k == 1 ? box->lo[k] + size * (float)(i / 16) / 16
+                                : box->hi[k];
+            if (i >= RAYS / 2) {
+                from = (float)bb_random_range(&random, box->lo[k], box->hi[k]);
+                at = (float)bb_random_range(&random, box->lo[k], box->hi[k]);
+            }
+            rays[i].o[k] = from;
+            rays[i].d[k] = at - from;
+        }
+    }
+}
+
+/* ---- the reference ---- */
+
+enum { SHARED = 4, FILE_LIMIT = 1 << 20 };
+
+/* The sources of a reference: NAME.cl and what it includes; the kernel's own file is kernel.clh. */
+static void read_sources(const char *name, const bb_kernel *kernel, bb_source files[SHARED + 3])
+{
+    static const char *const shared[SHARED] = {"lockstep.clh", "lockstep_stack.clh",
+                                               "lockstep_leaf.clh", "lockstep_trace.clh"};
+    char path[512];
+    memset(files, 0, (SHARED + 3) * sizeof *files);
+    for (uint32_t i = 0; i <= SHARED; i++) {
+        char *text;
+        size_t size;
+        files[i].name = i == 0 ? name : shared[i - 1];
+        files[i].folder = files;
+        snprintf(path, sizeof path, BB_TEST_SOURCE_DIR "/tests/lockstep/%s", files[i].name);
+        check(bb_file_read(path, FILE_LIMIT, "source", &text, &size), path);
+        files[i].text = text;
+    }
+    files[SHARED + 1] = (bb_source){"kernel.clh", bb_source_find(kernel->source)->text, files};
+}
+
+static void run_reference(cl_kernel kernel, const bb_layout_data *layout, const bb_buffer *rays,
+                          uint32_t width, uint32_t prim_bytes, bb_issued sums[BB_ISSUE_KINDS])
+{
+    const uint32_t groups = bb_divide_up(RAYS, width), count = RAYS;
+    cl_uint(*of_group)[BB_ISSUE_KINDS][4] = calloc(groups, sizeof *of_group);
+    bb_buffer d_sums;
+    make_buffer(&d_sums, of_group, groups * sizeof *of_group);
+    check(bb_launch(device, kernel, groups, 1, BB_MEM(layout->buffers[0]),
+                    BB_MEM(layout->buffers[1]), BB_VALUE(layout->root), BB_VALUE(layout->ends),
+                    BB_VALUE(layout->scale), BB_MEM(*rays), BB_VALUE(count), BB_VALUE(prim_bytes),
+                    BB_VALUE(width), BB_MEM(d_sums)),
+          "lockstep");
+    check(bb_buffer_read(&d_sums, 0, groups * sizeof *of_group, of_group), "sums");
+    memset(sums, 0, BB_ISSUE_KINDS * sizeof *sums);
+    for (uint32_t g = 0; g < groups; g++)
+        for (uint32_t k = 0; k < BB_ISSUE_KINDS; k++) {
+            sums[k].count += of_group[g][k][0];
+            sums[k].lanes += of_group[g][k][1];
+            sums[k].sectors += of_group[g][k][2];
+            sums[k].lines += of_group[g][k][3];
+        }
+    bb_buffer_release(&d_sums);
+    free(of_group);
+}
+
+/* ---- the comparison ---- */
+
+static void expect_equal(const char *what, const bb_issued *replayed, const bb_issued *reference)
+{
+    static const char *const kinds[] = {"node",    "push",  "primitives", "pop",
+                                        "restart", "begin", "end"};
+    for (uint32_t k = 0; k < BB_ISSUE_KINDS; k++) {
+        const bb_issued *a = &replayed[k], *b = &reference[k];
+        if (a->count != b->count || a->lanes != b->lanes || a->sectors != b->sectors ||
+            a->lines != b->lines)
+            fail_msg("%s, %s (seed %llu): %llu steps, %llu lanes, %llu sectors, %llu lines; in "
+                     "lockstep %llu, %llu, %llu, %llu",
+                     what, kinds[k], (unsigned long long)seed, (unsigned long long)a->count,
+                     (unsigned long long)a->lanes, (unsigned long long)a->sectors,
+                     (unsigned long long)a->lines, (unsigned long long)b->count,
+                     (unsigned long long)b->lanes, (unsigned long long)b->sectors,
+                     (unsigned long long)b->lines);
+    }
+}
+
+static void compare(size_t which, const char *scene_name, const bb_query *query,
+                    const bb_layout_data *layout, const bb_ray *rays)
+{
+    bb_spec spec;
+    const bb_kernel *kernel;
+    char defines[512], what[256];
+    check(bb_kernel_parse(cases[which].kernel, &spec, &kernel), cases[which].kernel);
+    const bb_traverser_request request = {
+        .kernel = kernel, .spec = &spec, .intersector = &bb_intersectors[0], .query = query};
+    const bb_footing footing = bb_footing_of(&request, layout);
+    assert_int_equal(footing.ring, cases[which].ring);
+
+    bb_source files[SHARED + 3];
+    cl_program program;
+    cl_kernel reference;
+    read_sources(cases[which].source, kernel, files);
+    bb_intersector_defines(&bb_intersectors[0], defines, sizeof defines);
+    snprintf(defines + strlen(defines), sizeof defines - strlen(defines),
+             "%s -DBB_KINDS=%u -D%s -DBB_LANES=%u %s",
+             bb_device_divides_exactly(device) ? " -cl-fp32-correctly-rounded-divide-sqrt" : "",
+             layout->kinds, query->define, layout->lanes, cases[which].defines);
+    check(bb_program_build(device, &files[0], defines, &program), cases[which].source);
+    check(bb_kernel_get(program, "lockstep", &reference), cases[which].source);
+
+    bb_steps steps;
+    bb_buffer d_rays;
+    check(bb_steps_record(device, &request, layout, rays, RAYS, RAYS, &steps), cases[which].kernel);
+    make_buffer(&d_rays, rays, RAYS * sizeof *rays);
+    for (uint32_t width = 32; width <= 64; width *= 2) {
+        bb_issued sums[BB_ISSUE_KINDS];
+        bb_traffic traffic;
+        const bb_machine machine = {.width = width,
+                                    .units = 3,
+                                    .in_flight = 2,
+                                    .first_bytes = 1 << 14,
+                                    .first_ways = 4,
+                                    .second_bytes = 1 << 18,
+                                    .second_ways = 16};
+        run_reference(reference, layout, &d_rays, width, footing.prim_bytes, sums);
+        check(bb_machine_run(&machine, &footing, &steps, &traffic), "machine");
+        snprintf(what, sizeof what, "%s, %s, %s, width %u", cases[which].kernel, scene_name,
+                 query->name, width);
+        assert_int_equal(traffic.rays, RAYS);
+        assert_true(sums[BB_STEP_NODE].count > 10 && sums[BB_STEP_PRIMS].count > 10);
+        expect_equal(what, traffic.issued, sums);
+    }
+    bb_buffer_release(&d_rays);
+    bb_steps_release(&steps);
+    bb_kernel_release(reference);
+    bb_program_release(program);
+    for (uint32_t i = 0; i <= SHARED; i++)
+        free((char *)files[i].text);
+}
+
+static void replay_equals_lockstep(void **state)
+{
+    (void)state;
+    static bb_ray rays[RAYS];
+    for (size_t s = 0; s < sizeof scenes / sizeof scenes[0]; s++) {
+        bb_scene *scene;
+        bb_instance instance;
+        check(bb_scene_load(scenes[s], &scene), scenes[s]);
+        check(bb_scene_upload(scene, device), scenes[s]);
+        make_rays(scene, rays);
+        check(bb_instance_create(device, "hploc", scene, 1, &instance), "create");
+        check(bb_instance_build(&instance, scene, false, NULL), "build");
+        check(bb_tree_upload(&instance.tree, device, NULL), "upload");
+        for (size_t c = 0; c < sizeof cases / sizeof cases[0]; c++) {
+            bb_spec spec;
+            const bb_kernel *kernel;
+            bb_layout_maker maker;
+            bb_layout_data layout = {0};
+            check(bb_kernel_parse(cases[c].kernel, &spec, &kernel), cases[c].kernel);
+            check(bb_layout_maker_create(bb_layout_find(kernel->layout), device, &maker), "layout");
+            check(bb_layout_maker_make(&maker, scene, &instance.tree, cases[c].leaf,
+                                       BB_FORMAT_VERTICES, &layout),
+                  "layout");
+            compare(c, scenes[s], &bb_query_closest, &layout, rays);
+            compare(c, scenes[s], &bb_query_any, &layout, rays);
+            bb_layout_data_release(&layout);
+            bb_layout_maker_destroy(&maker);
+        }
+        bb_instance_destroy(&instance);
+        bb_scene_free(scene);
+    }
+}
+
+/* ---- numbering ---- */
+
+static void record_on(const bb_scene *scene, bb_tree *tree, const char *text, bool preorder,
+                      const bb_ray *rays, bb_steps *steps)
+{
+    bb_spec spec;
+    const bb_kernel *kernel;
+    bb_layout_maker maker;
+    bb_layout_data layout = {0};
+    check(bb_kernel_parse(text, &spec, &kernel), text);
+    check(bb_layout_maker_create(bb_layout_find(kernel->layout), device, &maker), "layout");
+    maker.wish.preorder = preorder;
+    check(bb_tree_upload(tree, device, NULL), "upload");
+    check(bb_layout_maker_make(&maker, scene, tree, 1, BB_FORMAT_VERTICES, &layout), "layout");
+    assert_int_equal(strstr(layout.name, "preorder") != NULL, preorder);
+    const bb_traverser_request request = {.kernel = kernel,
+                                          .spec = &spec,
+                                          .intersector = &bb_intersectors[0],
+                                          .query = &bb_query_closest};
+    check(bb_steps_record(device, &request, &layout, rays, RAYS, RAYS, steps), text);
+    bb_layout_data_release(&layout);
+    bb_layout_maker_destroy(&maker);
+}
+
+static bool is_same(const bb_steps *a, const bb_steps *b)
+{
+    return memcmp(a->ends, b->ends, RAYS * sizeof *a->ends) == 0 &&
+           memcmp(a->words, b->words, a->ends[RAYS - 1] * sizeof *a->words) == 0;
+}
+
+/* Nodes in whatever order, as threads may leave them: the steps are those of the tree in preorder. */
+static void numbers_of_nodes_do_not_matter(void **state)
+{
+    (void)state;
+    static bb_ray rays[RAYS];
+    static const char *const kernels[] = {"stack",     "stack4", "stack8q",
+                                          "stackless", "trail",  "cwbvh"};
+    bb_scene *scene;
+    bb_tree tree, ordered;
+    bb_random random = bb_random_make(seed, 3);
+    check(bb_scene_load("soup:n=300", &scene), "scene");
+    check(bb_scene_upload(scene, device), "scene");
+    make_rays(scene, rays);
+    make_random_tree(scene, 2, 1, &random, &tree);
+    bb_tree_init(&ordered, NULL);
+    check(bb_tree_preorder(&tree, &ordered), "preorder");
+    for (size_t k = 0; k < sizeof kernels / sizeof kernels[0]; k++) {
+        bb_steps expected, renumbered, as_it_is;
+        record_on(scene, &ordered, kernels[k], false, rays, &expected);
+        record_on(scene, &tree, kernels[k], true, rays, &renumbered);
+        record_on(scene, &tree, kernels[k], false, rays, &as_it_is);
+        if (!is_same(&expected, &renumbered))
+            fail_msg("%s (seed %llu): other steps than in preorder", kernels[k],
+                     (unsigned long long)seed);
+        assert_int_equal(expected.ends[RAYS - 1], as_it_is.ends[RAYS - 1]);
+        bb_steps_release(&expected);
+        bb_steps_release(&renumbered);
+        bb_steps_release(&as_it_is);
+    }
+    bb_tree_release(&tree);
+    bb_tree_release(&ordered);
+    bb_scene_free(scene);
+}
+
+/* What cannot be recorded is refused with a reason. */
+static void other_kernels_are_refused(void **state)
+{
+    (void)state;
+    static const char *const kernels[] = {"stack8i", "packet8", "stack:sort=yes"};
+    static bb_ray rays[RAYS];
+    bb_scene *scene;
+    bb_instance instance;
+    check(bb_scene_load("soup:n=100", &scene), "scene");
+    check(bb_scene_upload(scene, device), "scene");
+    make_rays(scene, rays);
+    check(bb_instance_create(device, "lbvh", scene, 1, &instance), "create");
+    check(bb_instance_build(&instance, scene, false, NULL), "build");
+    check(bb_tree_upload(&instance.tree, device, NULL), "upload");
+    for (size_t k = 0; k < sizeof kernels / sizeof kernels[0]; k++) {
+        bb_spec spec;
+        bb_steps steps;
+        bb_layout_maker maker;
+        bb_layout_data layout = {0};
+        bb_traverser_request request = {
+            .spec = &spec, .intersector = &bb_intersectors[0], .query = &bb_query_closest};
+        check(bb_kernel_parse(kernels[k], &spec, &request.kernel), kernels[k]);
+        check(bb_layout_maker_create(bb_layout_find(request.kernel->layout), device, &maker), "l");
+        check(bb_layout_maker_make(&maker, scene, &instance.tree, 1, BB_FORMAT_VERTICES, &layout),
+              "layout");
+        assert_int_equal(bb_steps_record(device, &request, &layout, rays, RAYS, RAYS, &steps),
+                         BB_UNSUPPORTED);
+        assert_non_null(strstr(bb_message(), kernels[k]));
+        bb_layout_data_release(&layout);
+        bb_layout_maker_destroy(&maker);
+    }
+    bb_instance_destroy(&instance);
+    bb_scene_free(scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(replay_equals_lockstep),
+        cmocka_unit_test(numbers_of_nodes_do_not_matter),
+        cmocka_unit_test(other_kernels_are_refused),
+    };
+    return cmocka_run_group_tests(tests, open_device, close_device);
+}

@@ -1,0 +1,159 @@
+/* `run --metrics simt`: the same figures whatever the number of threads, in the results, in the
+ * summary and in `compare`; devices on paper that are no devices. */
+#include "tests/program_fixture.h"
+
+#include <math.h>
+
+#define RUN                                                                                        \
+    "run --scene interior:n=3000 --builder lbvh,hploc,embree-native --kernel stack,stackless,"     \
+    "packet8 --rays primary,ao --size 64x64 --max-rays 4096 --repeats 1 --no-pictures --charts "   \
+    "no "
+
+static const cJSON *traces_of(const cJSON *results)
+{
+    return cJSON_GetObjectItem(results, "traces");
+}
+
+static const char *text_of(const cJSON *entry, const char *name)
+{
+    const char *text = cJSON_GetStringValue(cJSON_GetObjectItem(entry, name));
+    return text != NULL ? text : "";
+}
+
+/* Copies what is simulated: the rows of the file that have a simulation's name. */
+static size_t simulated_rows(const char *name, char *text, size_t capacity)
+{
+    cJSON *file = read_json(name);
+    const cJSON *row;
+    size_t used = 0, count = 0;
+    cJSON_ArrayForEach(row, cJSON_GetObjectItem(file, "rows"))
+    {
+        if (strncmp(text_of(row, "maker"), "simt:", 5) != 0)
+            continue;
+        char *line = cJSON_PrintUnformatted(row);
+        used += (size_t)snprintf(text + used, capacity - used, "%s\n", line);
+        assert_true(used < capacity);
+        free(line);
+        count++;
+    }
+    cJSON_Delete(file);
+    return count;
+}
+
+static void figures_depend_on_nothing_else(void **state)
+{
+    (void)state;
+    static char one[1 << 18], two[1 << 18];
+    static const char *const metrics = "--metrics simt,simt:device=radeon780m,width=64 ";
+    char command[1024];
+    snprintf(command, sizeof command, RUN "%s --out one", metrics);
+    const outcome *o = run_with("POCL_MAX_PTHREAD_COUNT=1", command);
+    assert_int_equal(o->exit_status, 0);
+    assert_non_null(strstr(o->err, "not simulated: steps of kernel packet8 are not recorded"));
+    snprintf(command, sizeof command, RUN "%s --quiet --out two", metrics);
+    assert_int_equal(run_with("POCL_MAX_PTHREAD_COUNT=3", command)->exit_status, 0);
+    /* two builders, two kernels, two ray sets at least (a view or more), two devices */
+    const size_t count = simulated_rows("one/results.json", one, sizeof one);
+    assert_true(count >= 2 * 2 * 2 * 2);
+    assert_int_equal(simulated_rows("two/results.json", two, sizeof two), count);
+    assert_string_equal(one, two);
+
+    cJSON *results = read_results("one");
+    const cJSON *trace;
+    cJSON_ArrayForEach(trace, traces_of(results))
+    {
+        const cJSON *bounds = cJSON_GetObjectItem(trace, "simt_mrays_s");
+        const bool plain = strncmp(text_of(trace, "kernel"), "stack", 5) == 0;
+        assert_int_equal(cJSON_GetArraySize(bounds), plain ? 2 : 0);
+    }
+    cJSON_Delete(results);
+
+    /* said to be simulated, and never ranked */
+    o = expect(0, "report one", "Simulated: not measured, device=h100,width=32:");
+    assert_non_null(strstr(o->out, "Simulated: not measured, device=radeon780m,width=64:"));
+    o = expect(0, "compare one two", "simulated");
+}
+
+static void exact_figures_are_compared(void **state)
+{
+    (void)state;
+    char command[1024];
+    /* another tree of the same name does not exist; the same run with a longer stack of rays does */
+    snprintf(command, sizeof command,
+             "sed 's/\"simt_steps_per_ray\":[0-9.]*/\"simt_steps_per_ray\":9999/' "
+             "%s/one/results.json >%s/worse.json",
+             folder, folder);
+    assert_int_equal(system(command), 0);
+    expect(1, "compare one worse.json", "simt_steps_per_ray");
+}
+
+static void what_is_no_device_is_refused(void **state)
+{
+    (void)state;
+    static const char good[] =
+        "{\"name\":\"x\",\"title\":\"X\",\"code\":\"sm_90\",\"units\":2,\"lanes\":32,"
+        "\"clock_ghz\":1,\"issues_per_clock\":1,\"groups\":8,\"registers\":65536,"
+        "\"register_step\":8,\"first_bytes\":16384,\"first_ways\":4,\"first_bytes_per_clock\":64,"
+        "\"second_bytes\":1048576,\"second_ways\":16,\"second_bytes_per_clock\":64,"
+        "\"memory_gb_s\":10}";
+    static const struct {
+        const char *from, *to, *words;
+    } bad[] = {
+        {"\"units\":2,", "", "'units' must be a whole number"},
+        {"\"units\":2", "\"units\":0", "'units' must be"},
+        {"\"units\":2", "\"units\":2.5", "'units' must be a whole number"},
+        {"\"units\":2", "\"units\":\"2\"", "'units' must be"},
+        {"\"lanes\":32", "\"lanes\":128", "'lanes' must be"},
+        {"\"clock_ghz\":1", "\"clock_ghz\":-1", "'clock_ghz' must be a number"},
+        {"\"memory_gb_s\":10", "\"memory_gb_s\":1e99", "'memory_gb_s' must be"},
+        {"\"sm_90\"", "\"sm_20\"", "must be sm_90, gfx1030 or gfx90a"},
+        {"\"name\":\"x\"", "\"name\":\"\"", "'name' must be a text"},
+        {"{\"name\"", "[\"name\"", "is no JSON object"},
+    };
+    char text[1024];
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        const char *at = strstr(good, bad[i].from);
+        assert_non_null(at);
+        snprintf(text, sizeof text, "%.*s%s%s", (int)(at - good), good, bad[i].to,
+                 at + strlen(bad[i].from));
+        write_file("bad.json", text, strlen(text));
+        refuses("", RUN "--metrics simt:device=bad.json --out none", bad[i].words);
+    }
+    refuses("", RUN "--metrics simt:device=h10 --out none", "did you mean 'h100'");
+    refuses("", RUN "--metrics simt:device=nowhere.json --out none", "nowhere.json");
+    refuses("", RUN "--metrics simt:width=48 --out none", "must be one of 32|64");
+    refuses("", RUN "--metrics simt:units=4 --out none", "units");
+    refuses("", RUN "--metrics simt,simt:device=h100 --out none", "is given twice");
+    assert_int_not_equal(access("none", F_OK), 0);
+    write_file("good.json", good, sizeof good - 1);
+    expect(0,
+           "run --scene soup:n=200 --builder lbvh --kernel stack --rays random --max-rays 500 "
+           "--repeats 1 --no-pictures --charts no --metrics simt:device=good.json --out good",
+           "Simulated: not measured, device=x,width=32:");
+}
+
+static void divergence_is_drawn(void **state)
+{
+    (void)state;
+    expect(0, "render --scene soup:n=500 --show divergence --size 64x64 --out d.png",
+           "steps that a ray waits, in lockstep with 32 of its row");
+    const char *words = strstr(run("render --scene soup:n=500 --show divergence --lanes 1 --size "
+                                   "64x64 --out d.png")
+                                   ->out,
+                               "0.0 at nodes and 0.0 at primitives on average");
+    assert_non_null(words); /* alone, nobody waits */
+    refuses("", "render --scene soup:n=500 --show divergence --kernel packet8 --out e.png",
+            "steps of kernel packet8 are not recorded");
+    assert_int_not_equal(access("e.png", F_OK), 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(figures_depend_on_nothing_else),
+        cmocka_unit_test(exact_figures_are_compared),
+        cmocka_unit_test(what_is_no_device_is_refused),
+        cmocka_unit_test(divergence_is_drawn),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}

@@ -1,0 +1,428 @@
+/* Groups in lockstep, caches and machines (framework/simulate/) on steps made by hand, whose figures
+ * are known. */
+#include "framework/base/memory.h"
+#include "framework/base/random.h"
+#include "framework/judge/queries.h"
+#include "framework/simulate/divergence.h"
+#include "framework/simulate/simulate.h"
+#include "tests/fixture.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { RAYS_MOST = 256, WORDS_MOST = 1 << 14 };
+
+static uint32_t ends[RAYS_MOST], words[WORDS_MOST];
+static bb_steps made;
+
+static void no_rays(void)
+{
+    made = (bb_steps){.rays = 0, .ends = ends, .words = words};
+}
+
+/* Adds a ray: N7 a node, P7 a primitive, + a push, - a pop, R a restart; a number is 0 if it is left
+ * out. */
+static void add_ray(const char *steps)
+{
+    uint32_t end = made.rays > 0 ? ends[made.rays - 1] : 0;
+    for (const char *c = steps; *c != '\0';) {
+        const char kind = *c++;
+        const unsigned index = (unsigned)strtoul(c, (char **)&c, 10);
+        const uint32_t number = kind == 'N'   ? BB_STEP_NODE
+                                : kind == 'P' ? BB_STEP_PRIMS
+                                : kind == '+' ? BB_STEP_PUSH
+                                : kind == '-' ? BB_STEP_POP
+                                              : BB_STEP_RESTART;
+        assert_true(end < WORDS_MOST);
+        words[end++] = number << BB_STEP_INDEX_BITS | index;
+    }
+    ends[made.rays++] = end;
+}
+
+static void add_rays(uint32_t count, const char *steps)
+{
+    for (uint32_t i = 0; i < count; i++)
+        add_ray(steps);
+}
+
+/* ---- groups ---- */
+
+/* The steps that a group of all rays issues, as "N32 P16 ...": the kind and how many lanes. */
+static void expect_order(bb_control control, uint32_t ring, const char *order)
+{
+    static const char letters[] = "N+P-Rbe";
+    char text[1024] = "";
+    bb_warp warp;
+    bb_issue issue;
+    bb_warp_start(&warp, &made, control, ring, 0, made.rays);
+    while (bb_warp_next(&warp, &issue))
+        snprintf(text + strlen(text), sizeof text - strlen(text), "%s%c%d",
+                 text[0] != '\0' ? " " : "", letters[issue.kind],
+                 __builtin_popcountll(issue.lanes));
+    assert_string_equal(text, order);
+}
+
+static void loops_are_left_together(void **state)
+{
+    (void)state;
+    no_rays();
+    add_rays(4, "N+NPP-P");
+    expect_order(BB_WHILE_WHILE, 0, "b4 N4 +4 N4 P4 P4 -4 P4 e4");
+    expect_order(BB_IF_IF, 0, "b4 N4 +4 N4 P4 P4 -4 P4 e4");
+
+    /* one ray has more nodes: the others wait at their primitives; if-if lets these go first */
+    no_rays();
+    add_ray("NNNP");
+    add_ray("NP");
+    expect_order(BB_WHILE_WHILE, 0, "b2 N2 N1 N1 P2 e2");
+    expect_order(BB_IF_IF, 0, "b2 N2 P1 N1 N1 P1 e2");
+
+    /* a ray that has left the loop of nodes comes back only when all have left it */
+    no_rays();
+    add_ray("N-N");
+    add_ray("NNN");
+    add_ray("NPN");
+    expect_order(BB_WHILE_WHILE, 0, "b3 N3 N1 N1 P1 -1 N2 e3");
+
+    /* pushes of one node, then those that go on */
+    no_rays();
+    add_ray("N+++N");
+    add_ray("N+N");
+    add_ray("NN");
+    expect_order(BB_WHILE_WHILE, 0, "b3 N3 +2 +1 +1 N3 e3");
+
+    /* pops and restarts share a loop: who restarts after a pop does so an iteration later */
+    no_rays();
+    add_ray("N-R");
+    add_ray("NR");
+    expect_order(BB_WHILE_WHILE, 4, "b2 N2 -1 R1 R1 e2");
+
+    no_rays();
+    add_ray("");
+    add_ray("P");
+    expect_order(BB_WHILE_WHILE, 0, "b2 P1 e2");
+}
+
+static void rays_wait_for_their_group(void **state)
+{
+    (void)state;
+    bb_count waits[4];
+    const bb_footing f = {.control = BB_WHILE_WHILE};
+    no_rays();
+    add_ray("NNNP");
+    add_ray("NP");
+    add_ray("NPP");
+    add_ray("N");
+    bb_divergence(&made, &f, 2, waits);
+    static const uint32_t expected[4][2] = {{0, 0}, {2, 0}, {0, 0}, {0, 2}};
+    for (uint32_t i = 0; i < 4; i++) {
+        assert_int_equal(waits[i].nodes, expected[i][0]);
+        assert_int_equal(waits[i].prims, expected[i][1]);
+    }
+}
+
+/* ---- a machine ---- */
+
+static const bb_footing footing = {
+    .control = BB_WHILE_WHILE, .node_bytes = 64, .prim_bytes = 48, .result_bytes = 8};
+
+static bb_traffic run(const bb_machine *machine, const bb_footing *f)
+{
+    bb_traffic traffic;
+    ASSERT_OK(bb_machine_run(machine, f, &made, &traffic));
+    return traffic;
+}
+
+static bb_machine machine_of(uint32_t width, uint32_t units, uint32_t in_flight)
+{
+    return (bb_machine){.width = width,
+                        .units = units,
+                        .in_flight = in_flight,
+                        .first_bytes = 1 << 20,
+                        .first_ways = 8,
+                        .second_bytes = 1 << 22,
+                        .second_ways = 16};
+}
+
+static void efficiency_is_that_of_active_lanes(void **state)
+{
+    (void)state;
+    const bb_machine m = machine_of(32, 1, 1);
+    no_rays();
+    add_rays(32, "NNP");
+    bb_traffic t = run(&m, &footing);
+    assert_true(bb_efficiency(&t, BB_STEP_NODE, 32) == 1.0);
+    assert_true(bb_efficiency(&t, BB_STEP_PRIMS, 32) == 1.0);
+    assert_true(isnan(bb_efficiency(&t, BB_STEP_POP, 32)));
+
+    no_rays(); /* one long ray */
+    add_ray("NNNNNNNNNN");
+    add_rays(31, "N");
+    t = run(&m, &footing);
+    assert_int_equal(t.issued[BB_STEP_NODE].count, 10);
+    assert_true(bb_efficiency(&t, BB_STEP_NODE, 32) == 41.0 / 320.0);
+
+    no_rays(); /* alternating */
+    for (uint32_t i = 0; i < 16; i++) {
+        add_ray("N");
+        add_ray("P");
+    }
+    t = run(&m, &footing);
+    assert_true(bb_efficiency(&t, BB_STEP_NODE, 32) == 0.5);
+    assert_true(bb_efficiency(&t, BB_STEP_PRIMS, 32) == 0.5);
+
+    no_rays(); /* a last group of 5, of 32 lanes as all */
+    add_rays(37, "N");
+    t = run(&m, &footing);
+    assert_int_equal(t.groups, 2);
+    assert_true(bb_efficiency(&t, BB_STEP_NODE, 32) == 37.0 / 64.0);
+
+    no_rays();
+    t = run(&m, &footing);
+    assert_int_equal(t.groups, 0);
+    assert_int_equal(t.read + t.written, 0);
+}
+
+static void expect_issued(const bb_traffic *t, uint32_t kind, uint64_t count, uint64_t sectors,
+                          uint64_t lines)
+{
+    assert_int_equal(t->issued[kind].count, count);
+    assert_int_equal(t->issued[kind].sectors, sectors);
+    assert_int_equal(t->issued[kind].lines, lines);
+}
+
+static void sectors_of_a_step_are_distinct(void **state)
+{
+    (void)state;
+    bb_machine m = machine_of(32, 1, 1);
+    no_rays();
+    add_rays(32, "N5P5");
+    bb_traffic t = run(&m, &footing);
+    expect_issued(&t, BB_STEP_NODE, 1, 2, 1);
+    expect_issued(&t, BB_STEP_PRIMS, 1, 2, 2); /* bytes 240 to 287 */
+    expect_issued(&t, BB_ISSUE_BEGIN, 1, 32, 8);
+    expect_issued(&t, BB_ISSUE_END, 1, 8, 2);
+
+    no_rays(); /* nodes 0 to 31: 2 KiB; primitives 0 to 31: 1536 bytes */
+    for (uint32_t i = 0; i < 32; i++) {
+        char steps[32];
+        snprintf(steps, sizeof steps, "N%uP%u", 31 - i, i);
+        add_ray(steps);
+    }
+    t = run(&m, &footing);
+    expect_issued(&t, BB_STEP_NODE, 1, 64, 16);
+    expect_issued(&t, BB_STEP_PRIMS, 1, 48, 12);
+
+    /* entries of one place lie side by side: two rows of 128 bytes; of two places, halves of four */
+    no_rays();
+    add_rays(16, "N0+-");
+    add_rays(16, "N0++--");
+    t = run(&m, &footing);
+    assert_int_equal(t.issued[BB_STEP_PUSH].count, 2);
+    assert_int_equal(t.issued[BB_STEP_PUSH].sectors, 8 + 4);
+    assert_int_equal(t.issued[BB_STEP_POP].count, 2);
+    assert_int_equal(t.issued[BB_STEP_POP].sectors, 4 + 4 + 4);
+
+    /* a short stack of two entries comes back to its first place */
+    bb_footing ring = footing;
+    ring.ring = 2;
+    no_rays();
+    add_rays(32, "N0+++");
+    bb_traffic shorter = run(&m, &ring), longer = run(&m, &footing);
+    assert_int_equal(longer.written - shorter.written, 8);
+}
+
+static void caches_find_what_they_hold(void **state)
+{
+    (void)state;
+    bb_machine m = machine_of(32, 1, 1);
+    no_rays();
+    add_rays(64, "N1N2");
+    bb_traffic t = run(&m, &footing);
+    /* rays 64 sectors, nodes 2 * 2 of which the second group finds all; answers 16 */
+    assert_int_equal(t.first, 64 + 2 * 4 + 16);
+    assert_int_equal(t.first_hits, 4);
+    assert_int_equal(t.second, 64 + 4);
+    assert_int_equal(t.second_hits, 0);
+    assert_int_equal(t.second_written, 16);
+    assert_int_equal(t.read, 64 + 4);
+    assert_int_equal(t.written, 16);
+
+    m.units = 2; /* each unit finds nothing in its own cache; the second one in the shared one */
+    t = run(&m, &footing);
+    assert_int_equal(t.first_hits, 0);
+    assert_int_equal(t.second, 64 + 8);
+    assert_int_equal(t.second_hits, 4);
+    assert_int_equal(t.read, 64 + 4);
+
+    m.units =
+        1; /* two groups in flight take turns: the second finds what the first has just read */
+    m.in_flight = 2;
+    m.first_bytes = 128 * 40;
+    t = run(&m, &footing);
+    assert_int_equal(t.first_hits, 4);
+
+    m.in_flight = 1;
+    m.first_bytes = m.second_bytes = 128; /* a line each */
+    t = run(&m, &footing);
+    assert_int_equal(t.written, 16);
+    assert_true(t.read > 64 + 4);
+}
+
+/* ---- caches, against a list ---- */
+
+typedef struct listed {
+    uint64_t line;
+    uint8_t present, written;
+} listed;
+
+/* One set of `ways` lines, the last used first. */
+static bool ask_list(listed *list, uint32_t *count, uint32_t ways, uint64_t address, bool write,
+                     uint8_t *written)
+{
+    const uint64_t line = address / 128;
+    const uint8_t sector = (uint8_t)(1u << (address / 32 % 4));
+    listed found = {.line = line};
+    uint32_t at = 0;
+    *written = 0;
+    while (at < *count && list[at].line != line)
+        at++;
+    if (at < *count) {
+        found = list[at];
+    } else if (*count == ways) {
+        at = ways - 1;
+        *written = list[at].written;
+    } else {
+        at = (*count)++;
+    }
+    memmove(list + 1, list, at * sizeof *list);
+    const bool hit = (found.present & sector) != 0;
+    found.present |= sector;
+    found.written |= write ? sector : 0;
+    list[0] = found;
+    return hit;
+}
+
+static void the_line_used_longest_ago_gives_way(void **state)
+{
+    (void)state;
+    static const uint32_t ways[] = {1, 2, 8, 64};
+    for (size_t w = 0; w < sizeof ways / sizeof ways[0]; w++) {
+        bb_cache cache;
+        listed list[64];
+        uint32_t count = 0;
+        bb_random random = bb_random_make(seed_or(5), w);
+        ASSERT_OK(bb_cache_create(128 * ways[w], ways[w], &cache));
+        assert_int_equal(cache.sets, 1);
+        for (uint32_t i = 0; i < 20000; i++) {
+            const uint64_t address = 32ull * bb_random_below(&random, 8 * ways[w] + 8);
+            const bool write = bb_random_below(&random, 4) == 0;
+            bb_cache_miss miss;
+            uint8_t written;
+            const bool expected = ask_list(list, &count, ways[w], address, write, &written);
+            const bool hit = bb_cache_access(&cache, address, write, &miss);
+            assert_int_equal(hit, expected);
+            assert_int_equal(miss.fetched, !hit && !write);
+            assert_int_equal(miss.written, written);
+        }
+        bb_cache_release(&cache);
+    }
+}
+
+static void sets_share_the_lines(void **state)
+{
+    (void)state;
+    bb_cache cache;
+    bb_cache_miss miss;
+    ASSERT_OK(bb_cache_create(1 << 16, 8, &cache));
+    assert_int_equal(cache.sets, 64);
+    uint32_t hits = 0, lines = (1 << 16) / 128;
+    /* lines a power of two apart fill it almost, not one set alone */
+    for (uint32_t round = 0; round < 2; round++)
+        for (uint32_t i = 0; i < lines / 2; i++)
+            hits += bb_cache_access(&cache, (uint64_t)i << 14, false, &miss);
+    assert_true(hits > lines / 2 * 8 / 10);
+    bb_cache_release(&cache);
+    ASSERT_OK(bb_cache_create(1, 8, &cache)); /* a line at least */
+    assert_int_equal(cache.sets * cache.ways, 1);
+    bb_cache_release(&cache);
+}
+
+/* ---- bounds ---- */
+
+static bb_simulation simulate(const bb_simt *simt)
+{
+    bb_spec spec;
+    bb_simulation simulation;
+    bb_traverser_request request = {.spec = &spec, .query = &bb_query_closest};
+    const bb_layout_data layout = {.lanes = 1, .kinds = BB_TRIANGLES};
+    ASSERT_OK(bb_kernel_parse("stack", &spec, &request.kernel));
+    ASSERT_OK(bb_simulate(simt, &request, &layout, &made, &simulation));
+    return simulation;
+}
+
+static void bounds_are_those_of_the_device(void **state)
+{
+    (void)state;
+    bb_simt simt;
+    no_rays();
+    for (uint32_t i = 0; i < 200; i++) {
+        char steps[64];
+        snprintf(steps, sizeof steps, "N%u+N%uP%u-P%u", 3 * i, 5 * i, i, 7 * i);
+        add_ray(steps);
+    }
+    ASSERT_OK(bb_simt_parse("simt:device=h100", &simt));
+    assert_string_equal(simt.name, "simt:device=h100,width=32");
+    const bb_simulation s = simulate(&simt);
+    const bb_traffic *t = &s.traffic;
+    const double clock = simt.device.clock_ghz * 1e9;
+    assert_true(fabs(s.mrays_s[BB_BY_MEMORY] * 1e6 * (double)(t->read + t->written) * 32 / 200 /
+                         (simt.device.memory_gb_s * 1e9) -
+                     1) < 1e-12);
+    assert_true(fabs(s.mrays_s[BB_BY_FIRST] * 1e6 * (double)t->first * 32 / 200 /
+                         (simt.device.units * simt.device.first_bytes_per_clock * clock) -
+                     1) < 1e-12);
+    assert_true(fabs(s.mrays_s[BB_BY_SECOND] * 1e6 * (double)(t->second + t->second_written) * 32 /
+                         200 / (simt.device.second_bytes_per_clock * clock) -
+                     1) < 1e-12);
+    for (int i = 0; i < BB_BINDINGS; i++)
+        assert_true(s.mrays_s[s.binds] <= s.mrays_s[i]);
+    assert_true(s.efficiency > 0 && s.efficiency <= 1);
+    assert_true(fabs(s.memory_bytes - (double)(t->read + t->written) * 32 / 200) < 1e-9);
+
+    /* half the units, issues, or clock: half the bound; groups of 64 lanes on 32 take two turns */
+    bb_simt other = simt;
+    other.device.units /= 2;
+    assert_true(simulate(&other).mrays_s[BB_BY_ISSUE] * 2 == s.mrays_s[BB_BY_ISSUE]);
+    assert_true(simulate(&other).mrays_s[BB_BY_FIRST] * 2 == s.mrays_s[BB_BY_FIRST]);
+    assert_true(simulate(&other).mrays_s[BB_BY_MEMORY] == s.mrays_s[BB_BY_MEMORY]);
+    other = simt;
+    other.device.lanes = 16;
+    assert_true(simulate(&other).mrays_s[BB_BY_ISSUE] * 2 == s.mrays_s[BB_BY_ISSUE]);
+    other = simt;
+    other.device.memory_gb_s = 1;
+    assert_int_equal(simulate(&other).binds, BB_BY_MEMORY);
+
+    /* registers, and the most groups, limit what is in flight */
+    const bb_description d = {.groups = 64, .registers = 65536, .register_step = 8};
+    assert_int_equal(bb_description_in_flight(&d, 32, 32), 64);
+    assert_int_equal(bb_description_in_flight(&d, 33, 32), 65536 / (40 * 32));
+    assert_int_equal(bb_description_in_flight(&d, 64, 64), 16);
+    assert_int_equal(bb_description_in_flight(&d, 5000, 64), 1);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(loops_are_left_together),
+        cmocka_unit_test(rays_wait_for_their_group),
+        cmocka_unit_test(efficiency_is_that_of_active_lanes),
+        cmocka_unit_test(sectors_of_a_step_are_distinct),
+        cmocka_unit_test(caches_find_what_they_hold),
+        cmocka_unit_test(the_line_used_longest_ago_gives_way),
+        cmocka_unit_test(sets_share_the_lines),
+        cmocka_unit_test(bounds_are_those_of_the_device),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
