@@ -160,9 +160,23 @@ static void a_peak_is_counted_from_its_mark(void **state)
     assert_true(bb_host_peak() >= peak);
 }
 
+/* PoCL with a core for each thread aborts if there are more threads than cores. */
+static void more_threads_than_cores_are_allowed(void **state)
+{
+    (void)state;
+    char before[128];
+    const unsigned cores = (unsigned)bb_core_count();
+    snprintf(before, sizeof before, "POCL_MAX_PTHREAD_COUNT=%u POCL_CPU_MAX_CU_COUNT=%u", cores + 1,
+             cores + 1);
+    const outcome *o = run_with(before, "check --builder lbvh --scene cube --side 6 --quiet");
+    if (o->exit_status != 0)
+        fail_msg("%s: exit %d: %s", before, o->exit_status, o->err);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(more_threads_than_cores_are_allowed),
         cmocka_unit_test(the_least_of_all_groups_counts),
         cmocka_unit_test(slurm_tells_its_memory),
         cmocka_unit_test(the_program_keeps_to_them),

@@ -1,6 +1,6 @@
-/* The replay of recorded steps (framework/simulate/) against work-groups that run the same traversals
- * in lockstep on the device, by tests/lockstep/: the same steps, lanes, sectors and lines of each
- * kind, to the last one. */
+/* The replay of recorded steps (framework/simulate/) against work-groups that run the same
+ * traversals in lockstep on the device, by tests/lockstep/: the same steps, lanes, sectors and
+ * lines of each kind, to the last one. */
 #include "framework/base/arithmetic.h"
 #include "framework/base/file.h"
 #include "framework/base/random.h"
@@ -239,7 +239,8 @@ static bool is_same(const bb_steps *a, const bb_steps *b)
            memcmp(a->words, b->words, a->ends[RAYS - 1] * sizeof *a->words) == 0;
 }
 
-/* Nodes in whatever order, as threads may leave them: the steps are those of the tree in preorder. */
+/* Nodes in whatever order, as threads may leave them: the steps are those of the tree in preorder.
+ * */
 static void numbers_of_nodes_do_not_matter(void **state)
 {
     (void)state;

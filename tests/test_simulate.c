@@ -1,5 +1,5 @@
-/* Groups in lockstep, caches and machines (framework/simulate/) on steps made by hand, whose figures
- * are known. */
+/* Groups in lockstep, caches and machines (framework/simulate/) on steps made by hand, whose
+ * figures are known. */
 #include "framework/base/memory.h"
 #include "framework/base/random.h"
 #include "framework/judge/queries.h"
@@ -21,8 +21,8 @@ static void no_rays(void)
     made = (bb_steps){.rays = 0, .ends = ends, .words = words};
 }
 
-/* Adds a ray: N7 a node, P7 a primitive, + a push, - a pop, R a restart; a number is 0 if it is left
- * out. */
+/* Adds a ray: N7 a node, P7 a primitive, + a push, - a pop, R a restart; a number is 0 if it is
+ * left out. */
 static void add_ray(const char *steps)
 {
     uint32_t end = made.rays > 0 ? ends[made.rays - 1] : 0;
@@ -214,7 +214,8 @@ static void sectors_of_a_step_are_distinct(void **state)
     expect_issued(&t, BB_STEP_NODE, 1, 64, 16);
     expect_issued(&t, BB_STEP_PRIMS, 1, 48, 12);
 
-    /* entries of one place lie side by side: two rows of 128 bytes; of two places, halves of four */
+    /* entries of one place lie side by side: two rows of 128 bytes; of two places, halves of four
+     * */
     no_rays();
     add_rays(16, "N0+-");
     add_rays(16, "N0++--");

@@ -187,8 +187,8 @@ bool bb_intersector_is_exact(const bb_intersector *intersector);
 /* Writes its options as -D definitions for kernels/intersect.clh: less than 128 characters. */
 void bb_intersector_defines(const bb_intersector *intersector, char *text, size_t capacity);
 
-/* A kernel's loops, around the steps of one ray (kernels/steps_shared.h): in which order the rays of
- * a group that run in lockstep wait for each other. */
+/* A kernel's loops, around the steps of one ray (kernels/steps_shared.h): in which order the rays
+ * of a group that run in lockstep wait for each other. */
 typedef enum bb_control {
     BB_CONTROL_UNKNOWN, /* its steps are not recorded */
     BB_WHILE_WHILE,     /* nodes until none is next, primitives likewise, then pops likewise */
@@ -269,8 +269,8 @@ typedef struct bb_recording {
  * (rounded up to 16, 32, 64 ...), levels of a trail (64, 128, 256 ...). A cache of the device owns
  * it until bb_traversers_clear(), so that equal requests compile once. BB_UNSUPPORTED if the kernel
  * does not answer the query, or not for these primitives, or if its trail is too short for the
- * tree, or if its steps cannot be recorded. BB_REFUSED if the device has no room for a given stack (stack_room.h). BB_FAILED if it does
- * not compile, or its definitions are too long. */
+ * tree, or if its steps cannot be recorded. BB_REFUSED if the device has no room for a given stack
+ * (stack_room.h). BB_FAILED if it does not compile, or its definitions are too long. */
 bb_status bb_traverser_get(bb_device *device, const bb_traverser_request *request,
                            const bb_layout_data *layout, bb_traverser **traverser);
 /* Reports the decisions for such a traverser: stack, levels of the trail, kinds. */
@@ -297,9 +297,9 @@ bb_status bb_traverser_sort(bb_traverser *traverser, const bb_layout_data *layou
                             const bb_buffer *rays, uint32_t count);
 
 /* Enqueues the traversal of rays[0..count); does not wait. The layout's format of triangles must be
- * the intersector's. `counts` (bb_count[count]) for counting traversers, otherwise NULL; `recording`
- * likewise. `more`: additional arguments of the query's kernels, at most BB_MORE_ARGS_MAX; may be
- * NULL. */
+ * the intersector's. `counts` (bb_count[count]) for counting traversers, otherwise NULL;
+ * `recording` likewise. `more`: additional arguments of the query's kernels, at most
+ * BB_MORE_ARGS_MAX; may be NULL. */
 bb_status bb_traverser_launch(bb_traverser *traverser, const bb_layout_data *layout,
                               const bb_buffer *rays, uint32_t count, bb_buffer *results,
                               bb_buffer *counts, const bb_recording *recording, const bb_arg *more,

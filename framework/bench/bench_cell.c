@@ -358,21 +358,32 @@ static bb_status simulate(bb_trace_set *set, bb_traced_cell *c, uint32_t layout)
     return status;
 }
 
+/* Says once for each kernel why it is not simulated. */
+static void note_unsimulated(bb_bench *bench, bb_kernel_choice *choice, const char *why)
+{
+    if (!choice->unsimulated)
+        bb_progress_note(bench->progress, "not simulated: %s", why);
+    choice->unsimulated = true;
+}
+
 bb_status bb_trace_simulate(bb_trace_set *set, bb_traced_cell *c)
 {
     bb_bench *bench = set->bench;
     uint32_t layout;
-    if (c->entrant->tracer != NULL || bench->request->lean ||
-        c->entrant->record.tree.node_count == 1 ||
-        !bb_bench_simulates(bench, c->kernel, c->intersector, &layout))
+    if (c->entrant->tracer != NULL || bench->request->lean || bench->simt_count == 0 ||
+        c->entrant->record.tree.node_count == 1)
         return BB_OK;
     bb_kernel_choice *choice = &bench->kernels[c->kernel];
+    if (!bb_bench_simulates(bench, c->kernel, c->intersector, &layout)) {
+        char why[640];
+        snprintf(why, sizeof why, "the steps of kernel %s are not recorded", choice->spec.text);
+        note_unsimulated(bench, choice, why);
+        return BB_OK;
+    }
     bb_step step = bb_bench_begin(bench);
     bb_status status = simulate(set, c, layout);
     if (status == BB_UNSUPPORTED || status == BB_REFUSED) {
-        if (!choice->unsimulated)
-            bb_progress_note(bench->progress, "not simulated: %s", bb_message());
-        choice->unsimulated = true;
+        note_unsimulated(bench, choice, bb_message());
         status = BB_OK;
     }
     return bb_bench_end(bench, step, "simulate", status);

@@ -59,7 +59,7 @@ static const bb_cli_option options[] = {
      "heat: tests per ray; divergence: steps that a ray waits for others in lockstep; diff: wrong "
      "rays",
      BB_INTO(rendering, show), .words = "depth|normal|heat|divergence|diff", .fallback = "normal"},
-    {"lanes", NULL, "divergence: rays of a row in lockstep", BB_INTO(rendering, lanes), .low = 1,
+    {"lanes", "N", "divergence: rays of a row in lockstep", BB_INTO(rendering, lanes), .low = 1,
      .high = BB_WARP_MOST, .fallback = "32"},
     {"view", "V", "view of the scene; default: the first", BB_INTO(rendering, view)},
     {"size", "WxH", "image size, to which heat, divergence and diff add a legend",

@@ -316,8 +316,8 @@ static uint32_t build_of(const source *s)
     return bb_table_find(s->table, build);
 }
 
-/* Rows with a maker are parts, of which only layouts and simulations are cells. A build without a key is
- * of another program's tree, and an unmeasured one is another shard's. */
+/* Rows with a maker are parts, of which only layouts and simulations are cells. A build without a
+ * key is of another program's tree, and an unmeasured one is another shard's. */
 static bb_status add_row_of_run(const source *s)
 {
     const bool part = bb_table_name(s->table, s->row, BB_MAKER)[0] != '\0';

@@ -340,7 +340,8 @@ static void say_accuracy(bb_summary *s)
     say(sentence, "; all else here is `exact`");
 }
 
-/* Returns the row that a simulation puts first but for those that are left out; UINT32_MAX: none. */
+/* Returns the row that a simulation puts first but for those that are left out; UINT32_MAX: none.
+ * */
 static uint32_t first_simulated(const bb_summary *s, const bb_summary_simulation *of,
                                 uint32_t left_out)
 {

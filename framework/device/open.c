@@ -57,14 +57,24 @@ static bool has_first_processors(uint32_t count)
     return true;
 }
 
-/* PoCL has a thread for each core of the machine, unless the environment says less. Those that
+/* Returns whether the environment asks for more threads of PoCL than this. */
+static bool asks_for_more_threads(uint32_t count)
+{
+    const char *const asked[] = {getenv("POCL_MAX_PTHREAD_COUNT"), getenv("POCL_CPU_MAX_CU_COUNT")};
+    for (size_t i = 0; i < sizeof asked / sizeof asked[0]; i++)
+        if (asked[i] != NULL && strtoul(asked[i], NULL, 10) > count)
+            return true;
+    return false;
+}
+
+/* PoCL has a thread for each core of the machine, unless the environment says otherwise. Those that
  * sleep between launches are often woken on one core, and take twice as long, unless each keeps to
- * its own; PoCL knows only the first cores. */
+ * its own; PoCL knows only the first cores, and aborts if there are more threads than cores. */
 static void steer_pocl(void)
 {
     char cores[16];
     const uint32_t count = bb_core_count();
-    if (has_first_processors(count))
+    if (has_first_processors(count) && !asks_for_more_threads(count))
         setenv("POCL_AFFINITY", "1", 0);
     if (count >= (uint32_t)sysconf(_SC_NPROCESSORS_ONLN))
         return;

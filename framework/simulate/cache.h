@@ -1,5 +1,5 @@
-/* A cache of lines of 128 bytes in sectors of 32, set-associative, of which the line used longest ago
- * gives way. A sector is fetched alone, as GPUs do. */
+/* A cache of lines of 128 bytes in sectors of 32, set-associative, of which the line used longest
+ * ago gives way. A sector is fetched alone, as GPUs do. */
 #ifndef BB_CACHE_H
 #define BB_CACHE_H
 

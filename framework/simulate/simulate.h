@@ -2,8 +2,8 @@
  * replayed in lockstep, and run through its caches. Bounds follow from what was counted. Nothing
  * here is timed: the same figures come out on any machine.
  *
- * Left out: how long loads take beyond what the groups in flight hide, how a scheduler chooses among
- * them, hardware for ray tracing, and instructions that two groups could issue together.
+ * Left out: how long loads take beyond what the groups in flight hide, how a scheduler chooses
+ * among them, hardware for ray tracing, and instructions that two groups could issue together.
  */
 #ifndef BB_SIMULATE_H
 #define BB_SIMULATE_H

@@ -24,7 +24,8 @@ enum {
 
 /* Traces rays[0..count), or a sample of `most` of them, in runs that are evenly spaced, by the
  * recording variant of what is requested; `most` is a multiple of BB_STEPS_RUN. BB_UNSUPPORTED if
- * the kernel has none. BB_REFUSED if there are more than BB_STEPS_MOST steps, or no room for them. */
+ * the kernel has none. BB_REFUSED if there are more than BB_STEPS_MOST steps, or no room for them.
+ * */
 bb_status bb_steps_record(bb_device *device, const bb_traverser_request *request,
                           const bb_layout_data *layout, const bb_ray *rays, uint32_t count,
                           uint32_t most, bb_steps *steps);
