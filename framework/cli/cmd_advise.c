@@ -91,7 +91,7 @@ static bb_status choose_kernels(advising *a)
 {
     if (a->kernels.count == 0)
         return bb_tried_kernels(&a->request.kernels, bb_device_find_kind(a->choice.device.name));
-    BB_TRY(bb_choose_kernels(&a->kernels, bb_device_find_kind(a->choice.device.name)));
+    BB_TRY(bb_choose_kernels(&a->kernels, a->choice.device.name));
     return copy(&a->kernels, &a->request.kernels);
 }
 

@@ -81,7 +81,7 @@ static bb_status read_names(job *j)
     bb_animate_request *request = &j->request;
     BB_TRY(j->builders.count > 0 ? bb_choose_builders(&j->builders, true)
                                  : bb_names_add_role(&j->builders, BB_ROLE_MOVING));
-    BB_TRY(bb_choose_kernels(&j->kernels, bb_device_find_kind(j->choice.device.name)));
+    BB_TRY(bb_choose_kernels(&j->kernels, j->choice.device.name));
     BB_TRY(bb_choose_rays(&j->rays));
     BB_TRY(check_count("builder", j->builders.count, BB_ANIMATE_METHODS_MAX));
     BB_TRY(check_count("kernel", j->kernels.count, BB_ANIMATE_KERNELS_MAX));

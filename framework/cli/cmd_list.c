@@ -220,8 +220,7 @@ static bb_status list_compared(bb_list *list)
     bb_names names = {0};
     BB_TRY(add_compared(list, "scene", bb_add_shipped_scenes(&names), &names));
     BB_TRY(add_compared(list, "builder", bb_choose_entrants(&names, NULL), &names));
-    BB_TRY(
-        add_compared(list, "kernel", bb_choose_kernels(&names, bb_device_find_kind(NULL)), &names));
+    BB_TRY(add_compared(list, "kernel", bb_choose_kernels(&names, NULL), &names));
     BB_TRY(add_compared(list, "rays", bb_names_add(&names, BB_COMPARED_RAYS), &names));
     return add_compared(list, "intersector", bb_names_add(&names, BB_COMPARED_INTERSECTORS),
                         &names);

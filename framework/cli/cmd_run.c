@@ -155,10 +155,9 @@ static void choose_sizes(comparison *c, uint32_t device)
 static bb_status choose_traces(comparison *c)
 {
     bb_names *rays = &c->entrants.workloads, *kernels = &c->entrants.kernels;
-    uint32_t kind = bb_device_find_kind(c->device.name);
-    bool none = false;
+    bool none = false, simulated = false;
     for (size_t i = 0; i < c->metrics.count; i++)
-        kind = bb_is_simt(c->metrics.items[i]) ? BB_FOR_GPU : kind;
+        simulated = simulated || bb_is_simt(c->metrics.items[i]);
     for (size_t i = 0; i < rays->count; i++)
         none = none || strcmp(rays->items[i], "none") == 0;
     if (none && rays->count > 1)
@@ -168,7 +167,11 @@ static bb_status choose_traces(comparison *c)
         bb_names_free(rays);
     else
         BB_TRY(bb_choose_rays(rays));
-    return none && kernels->count == 0 ? BB_OK : bb_choose_kernels(kernels, kind);
+    if (none && kernels->count == 0)
+        return BB_OK;
+    if (simulated && kernels->count == 0)
+        return bb_add_compared_kernels(kernels, BB_FOR_GPU);
+    return bb_choose_kernels(kernels, c->device.name);
 }
 
 static bb_status choose(comparison *c)

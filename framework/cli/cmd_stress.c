@@ -94,7 +94,7 @@ static bb_status choose_methods(wanted *w)
         BB_TRY(bb_choose_builders(&w->builders, true));
     }
     if (w->kernels.count > 0)
-        BB_TRY(bb_choose_kernels(&w->kernels, bb_device_find_kind(w->device.name)));
+        BB_TRY(bb_choose_kernels(&w->kernels, w->device.name));
     BB_TRY(bb_choose_intersectors(&w->intersectors));
     BB_TRY(add_methods(&w->builders, BB_A_BUILDER, w));
     BB_TRY(add_methods(&w->kernels, BB_A_KERNEL, w));

@@ -96,7 +96,7 @@ static bb_status read_names(job *j)
     BB_TRY(
         bb_choose_tree_builders(&j->mesh_builders, j->brief ? BB_OF_MESHES_BRIEFLY : BB_OF_MESHES));
     BB_TRY(bb_check_searches(&j->searches));
-    return bb_choose_kernels(&j->kernels, bb_device_find_kind(j->choice.device.name));
+    return bb_choose_kernels(&j->kernels, j->choice.device.name);
 }
 
 /* What depends on whether it is a volume or a mesh. */

@@ -32,9 +32,10 @@ bb_status bb_choose_entrants(bb_names *names, const bb_names *tracers);
 #define BB_COMPARED_RAYS "primary,ao,diffuse,shadow,random"
 #define BB_COMPARED_INTERSECTORS "exact"
 
-/* The default: the kernels to compare on devices of this kind (BB_FOR_...; bb_device_find_kind()).
- * */
-bb_status bb_choose_kernels(bb_names *names, uint32_t kind);
+/* The default: the kernels to compare on the device that `device` selects. */
+bb_status bb_choose_kernels(bb_names *names, const char *device);
+/* Adds the kernels to compare on devices of this kind: BB_FOR_... */
+bb_status bb_add_compared_kernels(bb_names *names, uint32_t kind);
 /* An empty list stays empty. */
 bb_status bb_choose_rays(bb_names *names);
 bb_status bb_choose_intersectors(bb_names *names);

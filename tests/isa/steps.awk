@@ -1,8 +1,9 @@
 # Instructions of each step of a traversal, from assembly for gfx1030 in which BB_MARKING has left a
 # comment at each: NAME KERNEL COLUMN VALUE. A step costs all instructions of the loop that it is in,
 # but for those of loops inside. If a loop has steps of several kinds, the first has them all: node,
-# prims, pop, push, restart. Loops without a step belong to the pops, or the nodes; what is in no loop
-# to a ray's beginning.
+# prims, pop, push, restart. Loops without a step belong to the step that they are inside of; those
+# right around a step's loop to the pops, or the nodes; others, and what is in no loop, to a ray's
+# beginning.
 /^[A-Za-z_][A-Za-z0-9_]*:/ {
     name_of = $1
     sub(/:.*/, "", name_of)
@@ -16,15 +17,22 @@
     block = $1
     sub(/^\.L/, "", block)
     sub(/:.*/, "", block)
-    loop = ""
-    depth = 0
+    loop = above = ""
+}
+/Parent Loop/ {
+    above = $0
+    sub(/.*Parent Loop /, "", above)
+    sub(/ .*/, "", above)
 }
 /in Loop: Header=/ {
     loop = $0
     sub(/.*Header=/, "", loop)
     sub(/ .*/, "", loop)
 }
-/This (Inner )?Loop Header/ { loop = block }
+/This (Inner )?Loop Header/ {
+    loop = block
+    parent[loop] = above
+}
 /^\t; bb_step / || /^[ \t]*; BB_STEP_/ {
     kind = $2
     loop_of[kind, ++places[kind]] = loop
@@ -44,9 +52,16 @@ END {
         }
         cost[k] = sum
     }
-    for (at in counts)
-        if (at != "" && !(at in owner))
-            cost[places["BB_STEP_POP"] > 0 ? 3 : 1] += counts[at]
+    around = places["BB_STEP_POP"] > 0 ? 3 : 1
+    for (at in owner) holds[parent[at]] = 1
+    for (at in counts) {
+        if (at == "" || at in owner) continue
+        outer = parent[at]
+        while (outer != "" && !(outer in owner)) outer = parent[outer]
+        if (outer != "") cost[owner[outer]] += counts[at]
+        else if (at in holds) cost[around] += counts[at]
+        else counts[""] += counts[at]
+    }
     for (k = 1; k <= 5; k++)
         print name, "trace", "step_" tolower(kinds[k]), cost[k]
     print name, "trace", "step_begin", counts[""]
