@@ -380,7 +380,7 @@ static void say_simulated(bb_summary *s, const bb_summary_simulation *of)
     if (first == UINT32_MAX)
         return;
     bb_sentence *sentence = begin(s, "Simulated");
-    say(sentence, "not measured, %s: %s at most %.0f Mrays/s, bound by %s on most ray sets",
+    say(sentence, "not measured, %s: %s %.0f Mrays/s, bound by %s on most ray sets",
         of->name + sizeof BB_SIMT, s->rows[first].name, of->mrays_s[first],
         bb_binding_word(of->binds));
     if (next != UINT32_MAX)

@@ -90,7 +90,7 @@ static void draw_counted(bb_plot *p)
         bb_chart_frame f = {.kind = kind,
                             .title = "speed measured here against simulated speed",
                             .subtitle = "of a GPU on paper; hollow: no wrong answer found",
-                            .x_title = "at most so many Mrays/s, simulated"};
+                            .x_title = "bound on Mrays/s, simulated"};
         draw_against(p, &f, offsetof(bb_chart_cell, simulated) + i * sizeof(double));
     }
 }

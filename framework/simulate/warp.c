@@ -57,7 +57,6 @@ static bool ends_of_rays(bb_warp *warp, bb_issue *issue, uint32_t kind, uint32_t
     for (uint32_t i = 0; i < warp->lanes; i++)
         issue->index[i] = warp->first + i;
     warp->turn = turn;
-    warp->looping = ~0ull;
     return true;
 }
 
@@ -69,8 +68,7 @@ bool bb_warp_next(bb_warp *warp, bb_issue *issue)
         case TURN_BEGIN:
             return ends_of_rays(warp, issue, BB_ISSUE_BEGIN, BB_STEP_NODE);
         case BB_STEP_NODE:
-            lanes = warp->looping &= warp->at[BB_STEP_NODE];
-            warp->pushing = lanes;
+            lanes = warp->pushing = warp->at[BB_STEP_NODE];
             warp->turn = lanes != 0 ? BB_STEP_PUSH : BB_STEP_PRIMS;
             if (lanes != 0)
                 return take(warp, issue, BB_STEP_NODE, lanes);
@@ -97,7 +95,6 @@ bool bb_warp_next(bb_warp *warp, bb_issue *issue)
                 break;
             lanes = warp->at[BB_STEP_NODE] | warp->at[BB_STEP_PRIMS];
             warp->turn = lanes != 0 ? BB_STEP_NODE : TURN_END;
-            warp->looping = ~0ull;
             break;
         case BB_STEP_RESTART:
             lanes = warp->restarting;

@@ -37,7 +37,6 @@ typedef struct bb_warp {
     uint32_t ring;              /* entries of a short stack; 0: the stack has room for all */
     uint32_t turn;              /* kind whose turn it is */
     uint64_t at[BB_STEP_KINDS]; /* lanes whose next step is of this kind */
-    uint64_t looping;           /* lanes that have not left the loop of nodes */
     uint64_t pushing;           /* lanes of the last node */
     uint64_t restarting;        /* lanes that restart in this iteration of the loop of pops */
     uint32_t next[BB_WARP_MOST], end[BB_WARP_MOST]; /* each lane's steps */
