@@ -212,7 +212,7 @@ static void replay_equals_lockstep(void **state)
 /* ---- numbering ---- */
 
 static void record_on(const bb_scene *scene, bb_tree *tree, const char *text, bool preorder,
-                      const bb_ray *rays, bb_steps *steps)
+                      const bb_ray *rays, uint32_t most, bb_steps *steps)
 {
     bb_spec spec;
     const bb_kernel *kernel;
@@ -228,7 +228,7 @@ static void record_on(const bb_scene *scene, bb_tree *tree, const char *text, bo
                                           .spec = &spec,
                                           .intersector = &bb_intersectors[0],
                                           .query = &bb_query_closest};
-    check(bb_steps_record(device, &request, &layout, rays, RAYS, RAYS, steps), text);
+    check(bb_steps_record(device, &request, &layout, rays, RAYS, most, steps), text);
     bb_layout_data_release(&layout);
     bb_layout_maker_destroy(&maker);
 }
@@ -258,9 +258,9 @@ static void numbers_of_nodes_do_not_matter(void **state)
     check(bb_tree_preorder(&tree, &ordered), "preorder");
     for (size_t k = 0; k < sizeof kernels / sizeof kernels[0]; k++) {
         bb_steps expected, renumbered, as_it_is;
-        record_on(scene, &ordered, kernels[k], false, rays, &expected);
-        record_on(scene, &tree, kernels[k], true, rays, &renumbered);
-        record_on(scene, &tree, kernels[k], false, rays, &as_it_is);
+        record_on(scene, &ordered, kernels[k], false, rays, RAYS, &expected);
+        record_on(scene, &tree, kernels[k], true, rays, RAYS, &renumbered);
+        record_on(scene, &tree, kernels[k], false, rays, RAYS, &as_it_is);
         if (!is_same(&expected, &renumbered))
             fail_msg("%s (seed %llu): other steps than in preorder", kernels[k],
                      (unsigned long long)seed);
@@ -271,6 +271,30 @@ static void numbers_of_nodes_do_not_matter(void **state)
     }
     bb_tree_release(&tree);
     bb_tree_release(&ordered);
+    bb_scene_free(scene);
+}
+
+/* A sample of a run is that run; of all rays it is all. */
+static void samples_are_runs_of_the_set(void **state)
+{
+    (void)state;
+    static bb_ray rays[RAYS];
+    bb_scene *scene;
+    bb_tree tree;
+    bb_random random = bb_random_make(seed, 4);
+    check(bb_scene_load("soup:n=100", &scene), "scene");
+    check(bb_scene_upload(scene, device), "scene");
+    make_rays(scene, rays);
+    make_random_tree(scene, 2, 1, &random, &tree);
+    bb_steps all, some;
+    record_on(scene, &tree, "stack", true, rays, RAYS, &all);
+    record_on(scene, &tree, "stack", true, rays, BB_STEPS_RUN, &some);
+    assert_int_equal(some.rays, BB_STEPS_RUN);
+    assert_memory_equal(some.ends, all.ends, BB_STEPS_RUN * sizeof *all.ends);
+    assert_memory_equal(some.words, all.words, all.ends[BB_STEPS_RUN - 1] * sizeof *all.words);
+    bb_steps_release(&all);
+    bb_steps_release(&some);
+    bb_tree_release(&tree);
     bb_scene_free(scene);
 }
 
@@ -314,6 +338,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(replay_equals_lockstep),
         cmocka_unit_test(numbers_of_nodes_do_not_matter),
+        cmocka_unit_test(samples_are_runs_of_the_set),
         cmocka_unit_test(other_kernels_are_refused),
     };
     return cmocka_run_group_tests(tests, open_device, close_device);

@@ -1,6 +1,7 @@
 #include "framework/simulate/steps.h"
 
 #include "framework/base/arithmetic.h"
+#include "framework/base/random.h"
 #include "traversal/pass.h"
 
 #include <string.h>
@@ -23,14 +24,21 @@ static void release(launch *l)
     bb_buffer_release(&l->recording.counts);
 }
 
-/* Copies the sample to the device: all rays, or runs of them, evenly spaced. */
+/* Copies the sample to the device: all rays, or some of the runs that the set consists of, one at
+ * random in each part of the set: evenly spaced ones would meet the same columns of a picture again
+ * and again. */
 static bb_status load_sample(launch *l, const bb_ray *rays, uint32_t count, uint32_t taken)
 {
     if (taken == count)
         return bb_buffer_write(&l->rays, 0, taken * sizeof *rays, rays);
     const uint32_t runs = taken / BB_STEPS_RUN;
+    bb_random random = bb_random_make(1, count);
+    const uint32_t whole = count / BB_STEPS_RUN; /* runs that the set has */
     for (uint32_t i = 0; i < runs; i++) {
-        uint64_t first = (uint64_t)i * (count - BB_STEPS_RUN) / (runs - 1);
+        const uint32_t part = (uint32_t)((uint64_t)i * whole / runs);
+        const uint32_t end = (uint32_t)((uint64_t)(i + 1) * whole / runs);
+        const uint64_t first =
+            (uint64_t)(part + bb_random_below(&random, end - part)) * BB_STEPS_RUN;
         BB_TRY(bb_buffer_write(&l->rays, i * BB_STEPS_RUN * sizeof *rays,
                                BB_STEPS_RUN * sizeof *rays, rays + first));
     }

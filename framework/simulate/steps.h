@@ -17,12 +17,12 @@ typedef struct bb_steps {
 
 enum {
     /* Rays of a sample that follow each other, so that groups have their neighbours. */
-    BB_STEPS_RUN = 1 << 11,
+    BB_STEPS_RUN = 1 << 7,
     /* Words that are recorded at most: 1 GiB. */
     BB_STEPS_MOST = 1 << 28,
 };
 
-/* Traces rays[0..count), or a sample of `most` of them, in runs that are evenly spaced, by the
+/* Traces rays[0..count), or a sample of `most` of them, in runs from all of its parts, by the
  * recording variant of what is requested; `most` is a multiple of BB_STEPS_RUN. BB_UNSUPPORTED if
  * the kernel has none. BB_REFUSED if there are more than BB_STEPS_MOST steps, or no room for them.
  * */
