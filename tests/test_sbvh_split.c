@@ -264,7 +264,7 @@ static void references_go_where_they_cost_least(void **state)
     (void)state;
     bb_random random = bb_random_make(seed, 5);
     uint32_t cut = 0, unsplit = 0, refused = 0;
-    for (uint32_t run = 0; run < 300; run++) {
+    for (uint32_t run = 0; run < 600; run++) {
         few f;
         open_few(&f, &random, 2 + bb_random_below(&random, FEW - 2));
         sb_split split = sb_find_spatial(f.scene, f.refs, f.count, &f.box, 8, f.count);
