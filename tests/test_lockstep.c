@@ -54,6 +54,35 @@ static void make_rays(const bb_scene *scene, bb_ray *rays)
     }
 }
 
+/* A layout as a kernel reads it. */
+typedef struct laid_out {
+    bb_spec spec;
+    bb_traverser_request request;
+    bb_layout_maker maker;
+    bb_layout_data layout;
+} laid_out;
+
+static void lay_out(laid_out *l, const char *kernel, const bb_scene *scene, bb_tree *tree,
+                    uint32_t leaf, bool preorder)
+{
+    *l = (laid_out){.request = {.spec = &l->spec,
+                                .intersector = &bb_intersectors[0],
+                                .query = &bb_query_closest}};
+    check(bb_kernel_parse(kernel, &l->spec, &l->request.kernel), kernel);
+    check(bb_layout_maker_create(bb_layout_find(l->request.kernel->layout), device, &l->maker),
+          "layout");
+    l->maker.wish.preorder = preorder;
+    check(bb_tree_upload(tree, device, NULL), "upload");
+    check(bb_layout_maker_make(&l->maker, scene, tree, leaf, BB_FORMAT_VERTICES, &l->layout),
+          "layout");
+}
+
+static void release_layout(laid_out *l)
+{
+    bb_layout_data_release(&l->layout);
+    bb_layout_maker_destroy(&l->maker);
+}
+
 /* ---- the reference ---- */
 
 enum { SHARED = 4, FILE_LIMIT = 1 << 20 };
@@ -122,22 +151,20 @@ static void expect_equal(const char *what, const bb_issued *replayed, const bb_i
     }
 }
 
-static void compare(size_t which, const char *scene_name, const bb_query *query,
-                    const bb_layout_data *layout, const bb_ray *rays)
+static void compare(size_t which, const char *scene_name, const bb_query *query, const laid_out *l,
+                    const bb_ray *rays)
 {
-    bb_spec spec;
-    const bb_kernel *kernel;
+    const bb_layout_data *layout = &l->layout;
+    bb_traverser_request request = l->request;
     char defines[512], what[256];
-    check(bb_kernel_parse(cases[which].kernel, &spec, &kernel), cases[which].kernel);
-    const bb_traverser_request request = {
-        .kernel = kernel, .spec = &spec, .intersector = &bb_intersectors[0], .query = query};
+    request.query = query;
     const bb_footing footing = bb_footing_of(&request, layout);
     assert_int_equal(footing.ring, cases[which].ring);
 
     bb_source files[SHARED + 3];
     cl_program program;
     cl_kernel reference;
-    read_sources(cases[which].source, kernel, files);
+    read_sources(cases[which].source, request.kernel, files);
     bb_intersector_defines(&bb_intersectors[0], defines, sizeof defines);
     snprintf(defines + strlen(defines), sizeof defines - strlen(defines),
              "%s -DBB_KINDS=%u -D%s -DBB_LANES=%u %s",
@@ -188,21 +215,12 @@ static void replay_equals_lockstep(void **state)
         make_rays(scene, rays);
         check(bb_instance_create(device, "hploc", scene, 1, &instance), "create");
         check(bb_instance_build(&instance, scene, false, NULL), "build");
-        check(bb_tree_upload(&instance.tree, device, NULL), "upload");
         for (size_t c = 0; c < sizeof cases / sizeof cases[0]; c++) {
-            bb_spec spec;
-            const bb_kernel *kernel;
-            bb_layout_maker maker;
-            bb_layout_data layout = {0};
-            check(bb_kernel_parse(cases[c].kernel, &spec, &kernel), cases[c].kernel);
-            check(bb_layout_maker_create(bb_layout_find(kernel->layout), device, &maker), "layout");
-            check(bb_layout_maker_make(&maker, scene, &instance.tree, cases[c].leaf,
-                                       BB_FORMAT_VERTICES, &layout),
-                  "layout");
-            compare(c, scenes[s], &bb_query_closest, &layout, rays);
-            compare(c, scenes[s], &bb_query_any, &layout, rays);
-            bb_layout_data_release(&layout);
-            bb_layout_maker_destroy(&maker);
+            laid_out l;
+            lay_out(&l, cases[c].kernel, scene, &instance.tree, cases[c].leaf, false);
+            compare(c, scenes[s], &bb_query_closest, &l, rays);
+            compare(c, scenes[s], &bb_query_any, &l, rays);
+            release_layout(&l);
         }
         bb_instance_destroy(&instance);
         bb_scene_free(scene);
@@ -211,26 +229,14 @@ static void replay_equals_lockstep(void **state)
 
 /* ---- numbering ---- */
 
-static void record_on(const bb_scene *scene, bb_tree *tree, const char *text, bool preorder,
+static void record_on(const bb_scene *scene, bb_tree *tree, const char *kernel, bool preorder,
                       const bb_ray *rays, uint32_t most, bb_steps *steps)
 {
-    bb_spec spec;
-    const bb_kernel *kernel;
-    bb_layout_maker maker;
-    bb_layout_data layout = {0};
-    check(bb_kernel_parse(text, &spec, &kernel), text);
-    check(bb_layout_maker_create(bb_layout_find(kernel->layout), device, &maker), "layout");
-    maker.wish.preorder = preorder;
-    check(bb_tree_upload(tree, device, NULL), "upload");
-    check(bb_layout_maker_make(&maker, scene, tree, 1, BB_FORMAT_VERTICES, &layout), "layout");
-    assert_int_equal(strstr(layout.name, "preorder") != NULL, preorder);
-    const bb_traverser_request request = {.kernel = kernel,
-                                          .spec = &spec,
-                                          .intersector = &bb_intersectors[0],
-                                          .query = &bb_query_closest};
-    check(bb_steps_record(device, &request, &layout, rays, RAYS, most, steps), text);
-    bb_layout_data_release(&layout);
-    bb_layout_maker_destroy(&maker);
+    laid_out l;
+    lay_out(&l, kernel, scene, tree, 1, preorder);
+    assert_int_equal(strstr(l.layout.name, "preorder") != NULL, preorder);
+    check(bb_steps_record(device, &l.request, &l.layout, rays, RAYS, most, steps), kernel);
+    release_layout(&l);
 }
 
 static bool is_same(const bb_steps *a, const bb_steps *b)
@@ -311,23 +317,14 @@ static void other_kernels_are_refused(void **state)
     make_rays(scene, rays);
     check(bb_instance_create(device, "lbvh", scene, 1, &instance), "create");
     check(bb_instance_build(&instance, scene, false, NULL), "build");
-    check(bb_tree_upload(&instance.tree, device, NULL), "upload");
     for (size_t k = 0; k < sizeof kernels / sizeof kernels[0]; k++) {
-        bb_spec spec;
+        laid_out l;
         bb_steps steps;
-        bb_layout_maker maker;
-        bb_layout_data layout = {0};
-        bb_traverser_request request = {
-            .spec = &spec, .intersector = &bb_intersectors[0], .query = &bb_query_closest};
-        check(bb_kernel_parse(kernels[k], &spec, &request.kernel), kernels[k]);
-        check(bb_layout_maker_create(bb_layout_find(request.kernel->layout), device, &maker), "l");
-        check(bb_layout_maker_make(&maker, scene, &instance.tree, 1, BB_FORMAT_VERTICES, &layout),
-              "layout");
-        assert_int_equal(bb_steps_record(device, &request, &layout, rays, RAYS, RAYS, &steps),
+        lay_out(&l, kernels[k], scene, &instance.tree, 1, false);
+        assert_int_equal(bb_steps_record(device, &l.request, &l.layout, rays, RAYS, RAYS, &steps),
                          BB_UNSUPPORTED);
         assert_non_null(strstr(bb_message(), kernels[k]));
-        bb_layout_data_release(&layout);
-        bb_layout_maker_destroy(&maker);
+        release_layout(&l);
     }
     bb_instance_destroy(&instance);
     bb_scene_free(scene);

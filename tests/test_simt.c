@@ -69,8 +69,9 @@ static void figures_depend_on_nothing_else(void **state)
     cJSON_Delete(results);
 
     /* said to be simulated, and never ranked */
-    o = expect(0, "report one", "Simulated: not measured, device=h100,width=32:");
-    assert_non_null(strstr(o->out, "Simulated: not measured, device=radeon780m,width=64:"));
+    o = expect(0, "report one", "Simulated: neither measured nor validated, device=h100,width=32:");
+    assert_non_null(
+        strstr(o->out, "Simulated: neither measured nor validated, device=radeon780m,width=64:"));
 }
 
 static void exact_figures_are_compared(void **state)
@@ -130,7 +131,26 @@ static void what_is_no_device_is_refused(void **state)
     expect(0,
            "run --scene soup:n=200 --builder lbvh --kernel stack --rays random --max-rays 500 "
            "--repeats 1 --no-pictures --charts no --metrics simt:device=good.json --out good",
-           "Simulated: not measured, device=x,width=32:");
+           "Simulated: neither measured nor validated, device=x,width=32:");
+}
+
+/* Only of `exact` is the code known. */
+static void other_intersectors_are_left_out(void **state)
+{
+    (void)state;
+    const outcome *o = run(
+        "run --scene soup:n=200 --builder lbvh --kernel stack --intersector exact,fast --rays "
+        "random --max-rays 500 --repeats 1 --no-pictures --charts no --metrics simt --out both");
+    assert_int_equal(o->exit_status, 0);
+    assert_non_null(strstr(o->err, "not simulated: kernels/isa.tsv has the code of `exact` alone"));
+    cJSON *results = read_results("both/results.json");
+    const cJSON *trace;
+    cJSON_ArrayForEach(trace, traces_of(results))
+    {
+        const bool exact = strcmp(text_of(trace, "intersector"), "exact") == 0;
+        assert_int_equal(cJSON_GetArraySize(cJSON_GetObjectItem(trace, "simt_mrays_s")), exact);
+    }
+    cJSON_Delete(results);
 }
 
 static void divergence_is_drawn(void **state)
@@ -154,6 +174,7 @@ int main(void)
         cmocka_unit_test(figures_depend_on_nothing_else),
         cmocka_unit_test(exact_figures_are_compared),
         cmocka_unit_test(what_is_no_device_is_refused),
+        cmocka_unit_test(other_intersectors_are_left_out),
         cmocka_unit_test(divergence_is_drawn),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);

@@ -152,16 +152,16 @@ static void efficiency_is_that_of_active_lanes(void **state)
     no_rays();
     add_rays(32, "NNP");
     bb_traffic t = run(&m, &footing);
-    assert_true(bb_efficiency(&t, BB_STEP_NODE, 32) == 1.0);
-    assert_true(bb_efficiency(&t, BB_STEP_PRIMS, 32) == 1.0);
-    assert_true(isnan(bb_efficiency(&t, BB_STEP_POP, 32)));
+    assert_true(bb_efficiency(&t.issued[BB_STEP_NODE], 32) == 1.0);
+    assert_true(bb_efficiency(&t.issued[BB_STEP_PRIMS], 32) == 1.0);
+    assert_true(isnan(bb_efficiency(&t.issued[BB_STEP_POP], 32)));
 
     no_rays(); /* one long ray */
     add_ray("NNNNNNNNNN");
     add_rays(31, "N");
     t = run(&m, &footing);
     assert_int_equal(t.issued[BB_STEP_NODE].count, 10);
-    assert_true(bb_efficiency(&t, BB_STEP_NODE, 32) == 41.0 / 320.0);
+    assert_true(bb_efficiency(&t.issued[BB_STEP_NODE], 32) == 41.0 / 320.0);
 
     no_rays(); /* alternating */
     for (uint32_t i = 0; i < 16; i++) {
@@ -169,14 +169,14 @@ static void efficiency_is_that_of_active_lanes(void **state)
         add_ray("P");
     }
     t = run(&m, &footing);
-    assert_true(bb_efficiency(&t, BB_STEP_NODE, 32) == 0.5);
-    assert_true(bb_efficiency(&t, BB_STEP_PRIMS, 32) == 0.5);
+    assert_true(bb_efficiency(&t.issued[BB_STEP_NODE], 32) == 0.5);
+    assert_true(bb_efficiency(&t.issued[BB_STEP_PRIMS], 32) == 0.5);
 
     no_rays(); /* a last group of 5, of 32 lanes as all */
     add_rays(37, "N");
     t = run(&m, &footing);
     assert_int_equal(t.groups, 2);
-    assert_true(bb_efficiency(&t, BB_STEP_NODE, 32) == 37.0 / 64.0);
+    assert_true(bb_efficiency(&t.issued[BB_STEP_NODE], 32) == 37.0 / 64.0);
 
     no_rays();
     t = run(&m, &footing);
@@ -356,7 +356,8 @@ static bb_simulation simulate(const bb_simt *simt)
 {
     bb_spec spec;
     bb_simulation simulation;
-    bb_traverser_request request = {.spec = &spec, .query = &bb_query_closest};
+    bb_traverser_request request = {
+        .spec = &spec, .intersector = &bb_intersectors[0], .query = &bb_query_closest};
     const bb_layout_data layout = {.lanes = 1, .kinds = BB_TRIANGLES};
     ASSERT_OK(bb_kernel_parse("stack", &spec, &request.kernel));
     ASSERT_OK(bb_simulate(simt, &request, &layout, &made, &simulation));
@@ -378,32 +379,33 @@ static void bounds_are_those_of_the_device(void **state)
     const bb_simulation s = simulate(&simt);
     const bb_traffic *t = &s.traffic;
     const double clock = simt.device.clock_ghz * 1e9;
-    assert_true(fabs(s.mrays_s[BB_BY_MEMORY] * 1e6 * (double)(t->read + t->written) * 32 / 200 /
+    assert_true(fabs(s.memory_mrays_s * 1e6 * (double)(t->read + t->written) * 32 / 200 /
                          (simt.device.memory_gb_s * 1e9) -
                      1) < 1e-12);
-    assert_true(fabs(s.mrays_s[BB_BY_FIRST] * 1e6 * (double)t->first * 32 / 200 /
+    assert_true(fabs(s.l1_mrays_s * 1e6 * (double)t->first * 32 / 200 /
                          (simt.device.units * simt.device.first_bytes_per_clock * clock) -
                      1) < 1e-12);
-    assert_true(fabs(s.mrays_s[BB_BY_SECOND] * 1e6 * (double)(t->second + t->second_written) * 32 /
-                         200 / (simt.device.second_bytes_per_clock * clock) -
+    assert_true(fabs(s.l2_mrays_s * 1e6 * (double)(t->second + t->second_written) * 32 / 200 /
+                         (simt.device.second_bytes_per_clock * clock) -
                      1) < 1e-12);
-    for (int i = 0; i < BB_BINDINGS; i++)
-        assert_true(s.mrays_s[s.binds] <= s.mrays_s[i]);
+    assert_true(s.mrays_s <= s.issue_mrays_s && s.mrays_s <= s.l1_mrays_s &&
+                s.mrays_s <= s.l2_mrays_s && s.mrays_s <= s.memory_mrays_s);
     assert_true(s.efficiency > 0 && s.efficiency <= 1);
     assert_true(fabs(s.memory_bytes - (double)(t->read + t->written) * 32 / 200) < 1e-9);
 
     /* half the units, issues, or clock: half the bound; groups of 64 lanes on 32 take two turns */
     bb_simt other = simt;
     other.device.units /= 2;
-    assert_true(simulate(&other).mrays_s[BB_BY_ISSUE] * 2 == s.mrays_s[BB_BY_ISSUE]);
-    assert_true(simulate(&other).mrays_s[BB_BY_FIRST] * 2 == s.mrays_s[BB_BY_FIRST]);
-    assert_true(simulate(&other).mrays_s[BB_BY_MEMORY] == s.mrays_s[BB_BY_MEMORY]);
+    assert_true(simulate(&other).issue_mrays_s * 2 == s.issue_mrays_s);
+    assert_true(simulate(&other).l1_mrays_s * 2 == s.l1_mrays_s);
+    assert_true(simulate(&other).memory_mrays_s == s.memory_mrays_s);
     other = simt;
     other.device.lanes = 16;
-    assert_true(simulate(&other).mrays_s[BB_BY_ISSUE] * 2 == s.mrays_s[BB_BY_ISSUE]);
+    assert_true(simulate(&other).issue_mrays_s * 2 == s.issue_mrays_s);
     other = simt;
     other.device.memory_gb_s = 1;
     assert_int_equal(simulate(&other).binds, BB_BY_MEMORY);
+    assert_true(simulate(&other).mrays_s == simulate(&other).memory_mrays_s);
 
     /* registers, and the most groups, limit what is in flight */
     const bb_description d = {.groups = 64, .registers = 65536, .register_step = 8};

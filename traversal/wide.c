@@ -86,10 +86,7 @@ bb_status bb_wide_create(bb_device *device, bb_account *account, const char *nam
     *out = self;
     self->name = name;
     self->compressed = form == BB_WIDE_COMPRESSED;
-    self->node_bytes = self->compressed            ? sizeof(bb_cwbvh)
-                       : form == BB_WIDE_QUANTISED ? sizeof(bb_quant8)
-                       : width == 4                ? sizeof(bb_wide4)
-                                                   : sizeof(bb_wide8);
+    self->node_bytes = bb_layout_find(name)->node_bytes;
     self->device = device;
     self->account = account;
     self->follow = (bb_wide_follow){.device = device, .account = account, .width = width};

@@ -9,7 +9,7 @@
 typedef enum bb_wide_form { BB_WIDE_FLOATS, BB_WIDE_QUANTISED, BB_WIDE_COMPRESSED } bb_wide_form;
 
 /* Makes a layout of nodes with up to `width` children (4 or 8; only 8 except as floats), for the
- * hooks below. `device`, `account` and `name`, under which memory is booked, must outlive it. *self
+ * hooks below. `name` is the layout's. `device`, `account` and `name` must outlive it. *self
  * must be destroyed even after a failure. */
 bb_status bb_wide_create(bb_device *device, bb_account *account, const char *name, uint32_t width,
                          bb_wide_form form, void **self);

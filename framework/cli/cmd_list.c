@@ -145,11 +145,12 @@ static bb_status list_metrics(bb_list *list)
     char devices[256];
     bb_option options[BB_PARAMS_MAX + 1];
     uint32_t count = 0;
+    bb_description_names("|", devices, sizeof devices);
     do {
         options[count] = bb_simt_options[count];
-    } while (bb_simt_options[count++].name != NULL);
-    bb_description_names("|", devices, sizeof devices);
-    options[0].values = devices;
+        if (options[count].name != NULL && strcmp(options[count].name, "device") == 0)
+            options[count].values = devices;
+    } while (options[count++].name != NULL);
     return bb_list_add_method(list, BB_SIMT,
                               "each trace, simulated on a GPU on paper: `run --metrics` does it",
                               NULL, options, bib_of("metric_", BB_SIMT).text);

@@ -50,17 +50,15 @@ static const bb_cli_option options[] = {
     {"builder", "B", "builder; default: the usual one, which takes all kinds of primitives",
      BB_INTO(rendering, builder)},
     {"kernel", "K",
-     "kernel; default: the first in `list kernels` that does not limit leaf= (divergence: that can "
-     "be simulated)",
+     "kernel; default: the first in `list kernels` that does not limit leaf=, and that --show can "
+     "show",
      BB_INTO(rendering, kernel_text)},
     {"intersector", "I", "intersection tests: see `list intersectors`",
      BB_INTO(rendering, intersector_text), .fallback = "exact"},
-    {"show", NULL,
-     "heat: tests per ray; divergence: steps that a ray waits for others in lockstep; diff: wrong "
-     "rays",
+    {"show", NULL, "heat: tests per ray; divergence: steps that a ray waits; diff: wrong rays",
      BB_INTO(rendering, show), .words = "depth|normal|heat|divergence|diff", .fallback = "normal"},
-    {"lanes", "N", "divergence: rays of a row in lockstep", BB_INTO(rendering, lanes), .low = 1,
-     .high = BB_WARP_MOST, .fallback = "32"},
+    {"lanes", "N", "divergence: rays in lockstep, which follow each other in a row",
+     BB_INTO(rendering, lanes), .low = 1, .high = BB_WARP_MOST, .fallback = "32"},
     {"view", "V", "view of the scene; default: the first", BB_INTO(rendering, view)},
     {"size", "WxH", "image size, to which heat, divergence and diff add a legend",
      BB_INTO_SIZE(rendering, width), .fallback = "512x512"},
@@ -307,14 +305,12 @@ const bb_command bb_command_render = {
     .details =
         "heat: box and primitive tests per ray, counted by a variant of the kernel, on a map of\n"
         "even lightness (OKLab) whose range covers 99.9 % of the rays.\n"
-        "divergence: the same map of the steps at nodes and primitives that a GPU's group of "
-        "--lanes\n"
-        "rays takes without this one, simulated (see `run --metrics simt`).\n"
+        "divergence: a GPU traces --lanes rays in lockstep, and a ray waits while others of them\n"
+        "take a step at a node or a primitive; the same map of these steps, simulated.\n"
         "diff: the answers, judged as in `run`; try --intersector fast for wrong ones.\n"
         "EXR files hold 32-bit floats and no legend: distance t in Z (infinite for a miss), unit\n"
-        "normals in R, G, B, number of tests or steps in Y, and for diff the depth error in Y "
-        "(against\n"
-        "the oracle's depth; a miss has depth 0).",
+        "normals in R, G, B, number of tests or steps in Y, and for diff the depth error in Y\n"
+        "(against the oracle's depth; a miss has depth 0).",
     .options = options,
     .bytes = sizeof(rendering),
     .run = run,

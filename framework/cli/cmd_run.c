@@ -68,7 +68,7 @@ static const bb_cli_option options[] = {
     {"repeats", "N", "measured rounds, after a discarded one; 6 are the fewest for a 95 % interval",
      BB_INTO(comparison, request.repeats), .low = 1, .high = BB_SAMPLES_MAX - 1, .fallback = "6"},
     BB_SEED_OPTION(comparison, request.seed),
-    {"metrics", "M", "additional metrics of trees, and of traces: see below; `all`: of trees",
+    {"metrics", "M", "additional metrics: see below; `all`: those of trees",
      BB_INTO(comparison, metrics)},
     {"max-wrong-ppm", "X", "tolerated wrong rays per million",
      BB_INTO(comparison, request.max_wrong_ppm), .high = 1e6, .fallback = "0"},
@@ -320,13 +320,14 @@ static void release(void *values)
 
 static void list_metrics(FILE *out)
 {
-    fputs("\nmetrics of trees for --metrics:\n", out);
+    fputs("\nmetrics of trees for --metrics, and one of traces:\n", out);
     for (uint32_t i = 0; i < bb_metric_count(); i++)
         if (bb_metrics[i]->on_request)
             fprintf(out, "  %-14s %s\n", bb_metrics[i]->name, bb_metrics[i]->full_title);
-    fprintf(out, "  %-14s %s\n", BB_SIMT,
-            "traces simulated on a GPU on paper: simt:device=h100,width=32; by default of the "
-            "kernels for GPUs");
+    fprintf(
+        out, "  %-14s %s\n", BB_SIMT,
+        "each trace, simulated on a GPU on paper, such as simt:device=h100,width=32; the default "
+        "kernels are then those for GPUs");
 }
 
 extern const bb_command bb_command_run;

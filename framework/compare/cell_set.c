@@ -223,6 +223,16 @@ void bb_wall_key(const char *key, char wall[BB_CELL_KEY])
     snprintf(wall, BB_CELL_KEY, "%.*s%s", (int)before, key, behind + strcspn(behind, "/"));
 }
 
+/* Writes the key of a cell that belongs to another: that one's, with a name and value behind it. */
+static bb_status write_key_behind(const char *of, const char *name, const char *value,
+                                  char key[BB_CELL_KEY])
+{
+    bb_key_writer w = {.key = key, .length = strnlen(of, BB_CELL_KEY - 1)};
+    memcpy(key, of, w.length);
+    bb_key_put(&w, name, value);
+    return end_key(&w);
+}
+
 /* Adds a cell of the processor's time, if it is a figure of its own: that of a GPU's host says
  * nothing. What has failed, or is missing, is said by the cell itself. */
 static bb_status add_clock(const source *s, const char *of, bb_field_id field, const char *time)
@@ -230,13 +240,10 @@ static bb_status add_clock(const source *s, const char *of, bb_field_id field, c
     const bb_samples *rounds = bb_table_get_rounds(s->table, s->row, bb_fields[field].name);
     bb_measured *cell;
     char key[BB_CELL_KEY];
-    bb_key_writer w = {.key = key, .length = strnlen(of, BB_CELL_KEY - 1)};
     if (!s->clocks || rounds == NULL || strcmp(text_of(s, s->row, BB_F_TRACE_STATUS), "ok") != 0 ||
         strcmp(s->set->origin.device_type, BB_DEVICE_CPU) != 0)
         return BB_OK;
-    memcpy(key, of, w.length);
-    bb_key_put(&w, "clock", "cpu");
-    BB_TRY(end_key(&w));
+    BB_TRY(write_key_behind(of, "clock", "cpu", key));
     return add_cell(s, key, bb_fields[field].name, time, &cell);
 }
 
@@ -261,47 +268,44 @@ static bb_status add_trace(const source *s, const char *key)
     return add_fields(s, s->row, of_traces, sizeof of_traces / sizeof of_traces[0], cell);
 }
 
-/* A layout's cell has the key of its build with the layout's name behind it. */
-static bb_status add_layout(const source *s, uint32_t build)
-{
-    bb_measured *cell;
-    char key[BB_CELL_KEY];
-    const char *key_of_build = text_of(s, build, BB_F_BUILD_CELL);
-    bb_key_writer w = {.key = key, .length = strnlen(key_of_build, BB_CELL_KEY - 1)};
-    memcpy(key, key_of_build, w.length);
-    bb_key_put(&w, "layout", bb_table_name(s->table, s->row, BB_MAKER));
-    BB_TRY(end_key(&w));
-    BB_TRY(add_cell(s, key, bb_fields[BB_F_BUILD_LAYOUTS_MS].name, "layout ms", &cell));
-    copy(cell->status, sizeof cell->status, text_of(s, build, BB_F_BUILD_STATUS));
-    return add_fields(s, s->row, of_layouts, sizeof of_layouts / sizeof of_layouts[0], cell);
-}
+/* Parts that are cells: layouts of builds; simulations of traces, which have no time, and all of
+ * which is exact. */
+typedef struct part_kind {
+    const char *word; /* in the key */
+    const char *time; /* what the rounds are called; "" for none */
+    bb_field_id rounds;
+    const bb_field_id *fields;
+    size_t count;
+} part_kind;
 
 static const bb_field_id of_simulations[] = {
-    BB_F_TRACE_SIMT,       BB_F_TRACE_SIMT_EFFICIENCY, BB_F_TRACE_SIMT_NODES, BB_F_TRACE_SIMT_PRIMS,
-    BB_F_TRACE_SIMT_STEPS, BB_F_TRACE_SIMT_LINES,      BB_F_TRACE_SIMT_STACK, BB_F_TRACE_SIMT_L1,
-    BB_F_TRACE_SIMT_L2,    BB_F_TRACE_SIMT_BYTES};
+#define SIMT(id, member, name, unit, better, heading, help) BB_F_SIMT_##id,
+#include "framework/simulate/simt_figures.h"
+};
+static const part_kind layouts = {"layout", "layout ms", BB_F_BUILD_LAYOUTS_MS, of_layouts,
+                                  sizeof of_layouts / sizeof of_layouts[0]};
+static const part_kind simulations = {.word = "simulated",
+                                      .time = "",
+                                      .fields = of_simulations,
+                                      .count = sizeof of_simulations / sizeof of_simulations[0]};
 
-/* A simulation's cell has the key of its trace with the simulation's name behind it, and no time:
- * all of it is exact. */
-static bb_status add_simulation(const source *s, uint32_t trace)
+/* A part's cell has the key of its build or trace, `of`, with its own name behind it. */
+static bb_status add_part(const source *s, uint32_t of, const part_kind *kind)
 {
     bb_measured *cell;
     char key[BB_CELL_KEY];
-    const char *key_of_trace = text_of(s, trace, BB_F_TRACE_CELL);
-    bb_key_writer w = {.key = key, .length = strnlen(key_of_trace, BB_CELL_KEY - 1)};
-    memcpy(key, key_of_trace, w.length);
-    bb_key_put(&w, "simulated", bb_table_name(s->table, s->row, BB_MAKER));
-    BB_TRY(end_key(&w));
-    BB_TRY(add_cell(s, key, NULL, "", &cell));
-    copy(cell->status, sizeof cell->status, text_of(s, trace, BB_F_TRACE_STATUS));
-    copy(cell->rays_hash, sizeof cell->rays_hash, text_of(s, trace, BB_F_TRACE_RAYS_HASH));
-    return add_fields(s, s->row, of_simulations, sizeof of_simulations / sizeof of_simulations[0],
-                      cell);
+    const char *timed = kind->time[0] != '\0' ? bb_fields[kind->rounds].name : NULL;
+    BB_TRY(write_key_behind(text_of(s, of, BB_F_TRACE_CELL), kind->word,
+                            bb_table_name(s->table, s->row, BB_MAKER), key));
+    BB_TRY(add_cell(s, key, timed, kind->time, &cell));
+    copy(cell->status, sizeof cell->status, text_of(s, of, BB_F_TRACE_STATUS));
+    copy(cell->rays_hash, sizeof cell->rays_hash, text_of(s, of, BB_F_TRACE_RAYS_HASH));
+    return add_fields(s, s->row, kind->fields, kind->count, cell);
 }
 
 static bool is_simulation(const source *s)
 {
-    return isfinite(bb_table_get_number(s->table, s->row, bb_fields[BB_F_TRACE_SIMT_STEPS].name));
+    return isfinite(bb_table_get_number(s->table, s->row, bb_fields[BB_F_SIMT_STEPS].name));
 }
 
 static bool is_layout(const source *s)
@@ -326,8 +330,8 @@ static bb_status add_row_of_run(const source *s)
     if (key[0] == '\0' || strcmp(text_of(s, row, BB_F_BUILD_UNMEASURED), "yes") == 0)
         return BB_OK;
     if (part)
-        return is_layout(s)       ? add_layout(s, row)
-               : is_simulation(s) ? add_simulation(s, row)
+        return is_layout(s)       ? add_part(s, row, &layouts)
+               : is_simulation(s) ? add_part(s, row, &simulations)
                                   : BB_OK;
     return bb_table_name(s->table, s->row, BB_QUESTION)[0] != '\0' ? add_trace(s, key)
                                                                    : add_build(s, key);

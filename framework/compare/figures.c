@@ -2,13 +2,9 @@
 
 #include <string.h>
 
-static const bb_field_id costs[] = {
-    BB_F_TREE_BYTES,       BB_F_TREE_BYTES_PEAK,  BB_F_BUILD_LAYOUTS_SAH, BB_F_BUILD_LAYOUTS_BYTES,
-    BB_F_TRACE_NODE_TESTS, BB_F_TRACE_PRIM_TESTS, BB_F_TRACE_SIMT_STEPS,  BB_F_TRACE_SIMT_LINES,
-    BB_F_TRACE_SIMT_STACK, BB_F_TRACE_SIMT_BYTES};
-static const bb_field_id gains[] = {BB_F_TRACE_SIMT,       BB_F_TRACE_SIMT_EFFICIENCY,
-                                    BB_F_TRACE_SIMT_NODES, BB_F_TRACE_SIMT_PRIMS,
-                                    BB_F_TRACE_SIMT_L1,    BB_F_TRACE_SIMT_L2};
+static const bb_field_id costs[] = {BB_F_TREE_BYTES,        BB_F_TREE_BYTES_PEAK,
+                                    BB_F_BUILD_LAYOUTS_SAH, BB_F_BUILD_LAYOUTS_BYTES,
+                                    BB_F_TRACE_NODE_TESTS,  BB_F_TRACE_PRIM_TESTS};
 static const bb_field_id wrongs[] = {BB_F_TRACE_UNLIKE,       BB_F_ACCURACY_MISSED,
                                      BB_F_ACCURACY_FALSE,     BB_F_ACCURACY_WRONG_T,
                                      BB_F_ACCURACY_UNWRITTEN, BB_F_ACCURACY_OVERFLOWED};
@@ -43,8 +39,16 @@ bool bb_figure_is_judged(const char *name)
 bb_better bb_field_better(bb_field_id field)
 {
     const char *name = bb_fields[field].name;
-    if (is_one_of(name, gains, sizeof gains / sizeof gains[0]))
-        return BB_BETTER_MORE;
+    static const struct {
+        bb_field_id field;
+        bb_better better;
+    } simulated[] = {
+#define SIMT(id, member, name, unit, better, heading, help) {BB_F_SIMT_##id, BB_BETTER_##better},
+#include "framework/simulate/simt_figures.h"
+    };
+    for (size_t i = 0; i < sizeof simulated / sizeof simulated[0]; i++)
+        if (simulated[i].field == field)
+            return simulated[i].better;
     return bb_figure_is_wrong(name) || is_one_of(name, costs, sizeof costs / sizeof costs[0])
                ? BB_BETTER_LESS
                : BB_BETTER_NEITHER;

@@ -12,7 +12,7 @@ static bool is_same_set(const bb_entry *a, const bb_entry *b)
 
 static double bound_of(const bb_entry *trace, const char *simulation)
 {
-    return bb_get_named(trace, BB_F_TRACE_SIMT, simulation);
+    return bb_get_named(trace, BB_F_SIMT_RATE, simulation);
 }
 
 /* Returns whether the trace is of this row, simulated, and the fastest so of its ray set. */
@@ -52,24 +52,6 @@ static double rank_correlation(const bb_summary *s, const double *a, const doubl
     return pairs >= 3 ? sum / pairs : (double)NAN;
 }
 
-/* Names the simulations of the results, each once. */
-static uint32_t find_names(const bb_results *results, const char *names[BB_SIMT_MAX])
-{
-    uint32_t count = 0;
-    bb_each(trace, bb_results_section(results, BB_TRACES))
-    {
-        bb_each_part(part, trace, BB_F_TRACE_SIMT)
-        {
-            uint32_t i = 0;
-            while (i < count && strcmp(names[i], bb_part_name(part)) != 0)
-                i++;
-            if (i == count && count < BB_SIMT_MAX)
-                names[count++] = bb_part_name(part);
-        }
-    }
-    return count;
-}
-
 typedef uint32_t binding_counts[BB_BINDINGS];
 
 static bb_binding most_frequent(const binding_counts counts)
@@ -99,7 +81,7 @@ static void fill(const bb_results *results, const bb_summary_choice *choice, con
             if (!is_fastest(results, choice, &s->rows[i], trace, of->name))
                 continue;
             of->mrays_s[i] += log(bound_of(trace, of->name));
-            const char *word = bb_get_named_text(trace, BB_F_TRACE_SIMT_BINDS, of->name);
+            const char *word = bb_get_named_text(trace, BB_F_SIMT_BINDS, of->name);
             for (int b = 0; b < BB_BINDINGS; b++)
                 counts[i][b] += strcmp(word, bb_binding_word((bb_binding)b)) == 0;
         }
@@ -140,7 +122,7 @@ bb_status bb_summary_simulations(const bb_results *results, const bb_summary_cho
                                  bb_summary *summary)
 {
     const char *names[BB_SIMT_MAX];
-    const uint32_t count = find_names(results, names);
+    const uint32_t count = bb_results_simulations(results, names);
     for (uint32_t i = 0; i < count; i++)
         BB_TRY(simulate(results, choice, names[i], summary,
                         &summary->simulations[summary->simulation_count++]));

@@ -340,8 +340,7 @@ static void say_accuracy(bb_summary *s)
     say(sentence, "; all else here is `exact`");
 }
 
-/* Returns the row that a simulation puts first but for those that are left out; UINT32_MAX: none.
- * */
+/* Returns the row that a simulation puts first, `left_out` aside; UINT32_MAX: none. */
 static uint32_t first_simulated(const bb_summary *s, const bb_summary_simulation *of,
                                 uint32_t left_out)
 {
@@ -380,7 +379,9 @@ static void say_simulated(bb_summary *s, const bb_summary_simulation *of)
     if (first == UINT32_MAX)
         return;
     bb_sentence *sentence = begin(s, "Simulated");
-    say(sentence, "not measured, %s: %s %.0f Mrays/s, bound by %s on most ray sets",
+    say(sentence,
+        "neither measured nor validated, %s: %s %.0f Mrays/s, bound by %s on most ray "
+        "sets",
         of->name + sizeof BB_SIMT, s->rows[first].name, of->mrays_s[first],
         bb_binding_word(of->binds));
     if (next != UINT32_MAX)

@@ -226,34 +226,10 @@ FIELD(TRACE_WORK, TRACE, "work_per_ray", "per ray", DERIVED, LATER, AS_FIGURE, "
       "per ray: 1.2 for each pair of boxes tested, 1 for each primitive, as in SAH")
 FIELD(TRACE_COUNTED, TRACE, "counted", "", NUMBER, T(SIZE, counted), AS_WHOLE, "Counted",
       "rays whose tests were counted")
-FIELD(TRACE_SIMT, TRACE, "simt_mrays_s", "Mrays/s", PARTS | NUMBER, BY(bb_put_simulated), AS_PAIRS,
-      "Simulated", "not measured: the least of the bounds of a GPU on paper")
-FIELD(TRACE_SIMT_BINDS, TRACE, "simt_binds", "", PARTS | TEXT, LATER, AS_TEXT, NULL, NULL)
-FIELD(TRACE_SIMT_ISSUE, TRACE, "simt_issue_mrays_s", "Mrays/s", PARTS | NUMBER, LATER, AS_PAIRS,
-      NULL, NULL)
-FIELD(TRACE_SIMT_FIRST, TRACE, "simt_l1_mrays_s", "Mrays/s", PARTS | NUMBER, LATER, AS_PAIRS, NULL,
-      NULL)
-FIELD(TRACE_SIMT_SECOND, TRACE, "simt_l2_mrays_s", "Mrays/s", PARTS | NUMBER, LATER, AS_PAIRS,
-      NULL, NULL)
-FIELD(TRACE_SIMT_MEMORY, TRACE, "simt_memory_mrays_s", "Mrays/s", PARTS | NUMBER, LATER, AS_PAIRS,
-      NULL, NULL)
-FIELD(TRACE_SIMT_EFFICIENCY, TRACE, "simt_efficiency", "", PARTS | NUMBER, LATER, AS_PAIRS,
-      "SIMT efficiency", "active lanes per lane issued, over all instructions; simulated")
-FIELD(TRACE_SIMT_NODES, TRACE, "simt_node_efficiency", "", PARTS | NUMBER, LATER, AS_PAIRS, NULL,
-      NULL)
-FIELD(TRACE_SIMT_PRIMS, TRACE, "simt_prim_efficiency", "", PARTS | NUMBER, LATER, AS_PAIRS, NULL,
-      NULL)
-FIELD(TRACE_SIMT_STEPS, TRACE, "simt_steps_per_ray", "per ray", PARTS | NUMBER, LATER, AS_PAIRS,
-      NULL, NULL)
-FIELD(TRACE_SIMT_LINES, TRACE, "simt_lines_per_step", "", PARTS | NUMBER, LATER, AS_PAIRS, NULL,
-      NULL)
-FIELD(TRACE_SIMT_STACK, TRACE, "simt_stack_bytes", "B", PARTS | NUMBER, LATER, AS_PAIRS, NULL, NULL)
-FIELD(TRACE_SIMT_L1, TRACE, "simt_l1_hits", "", PARTS | NUMBER, LATER, AS_PAIRS, NULL, NULL)
-FIELD(TRACE_SIMT_L2, TRACE, "simt_l2_hits", "", PARTS | NUMBER, LATER, AS_PAIRS, NULL, NULL)
-FIELD(TRACE_SIMT_BYTES, TRACE, "simt_memory_bytes", "B", PARTS | NUMBER, LATER, AS_PAIRS, NULL,
-      NULL)
-FIELD(TRACE_SIMT_FLIGHT, TRACE, "simt_in_flight", "", PARTS | NUMBER, LATER, AS_PAIRS, NULL, NULL)
-FIELD(TRACE_SIMT_RAYS, TRACE, "simt_rays", "", PARTS | NUMBER, LATER, AS_PAIRS, NULL, NULL)
+FIELD(SIMT_BINDS, TRACE, "simt_binds", "", PARTS | TEXT, BY(bb_put_simulated), AS_TEXT, NULL, NULL)
+#define SIMT(id, member, name, unit, better, heading, help) \
+    FIELD(SIMT_##id, TRACE, name, unit, EXACT | PARTS | NUMBER, LATER, AS_PAIRS, heading, help)
+#include "framework/simulate/simt_figures.h"
 FIELD(TRACE_UNLIKE, TRACE, "unlike", "", NUMBER, BY(bb_put_unlike), AS_WHOLE, NULL, NULL)
 FIELD(TRACE_UNLIKE_WHOM, TRACE, "unlike_whom", "", TEXT, T(CHARS, unlike_whom), AS_TEXT, NULL, NULL)
 FIELD(TRACE_COUNTS, TRACE, "counts_for_exit", "", FLAG, T(FLAG, counts_for_exit), AS_TEXT, NULL,

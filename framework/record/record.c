@@ -154,6 +154,23 @@ const char *bb_results_reference(const bb_results *results)
     return "Embree";
 }
 
+uint32_t bb_results_simulations(const bb_results *results, const char *names[BB_SIMT_MAX])
+{
+    uint32_t count = 0;
+    bb_each(trace, bb_results_section(results, BB_TRACES))
+    {
+        bb_each_part(part, trace, BB_F_SIMT_RATE)
+        {
+            uint32_t i = 0;
+            while (i < count && strcmp(names[i], bb_part_name(part)) != 0)
+                i++;
+            if (i == count && count < BB_SIMT_MAX)
+                names[count++] = bb_part_name(part);
+        }
+    }
+    return count;
+}
+
 /* ---- runs ---- */
 
 uint32_t bb_results_begin_run(bb_results *results)

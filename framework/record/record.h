@@ -155,6 +155,10 @@ void bb_trace_record_init(bb_trace_record *trace);
 
 typedef struct bb_results bb_results;
 
+/* Writes the names of the simulations that traces have, each once, and returns their number. The
+ * results own them. */
+uint32_t bb_results_simulations(const bb_results *results, const char *names[BB_SIMT_MAX]);
+
 /* Whether figures of two devices, by name and type, may stand side by side: of one device, or of
  * processors. */
 bool bb_device_is_like(const char *device, const char *type, const char *other,

@@ -216,25 +216,11 @@ void bb_put_simulated(const bb_put *p)
     const bb_trace_record *trace = p->record;
     for (uint32_t i = 0; i < trace->simulated_count; i++) {
         const bb_simulation *s = &trace->simulated[i].simulation;
-        const double bound = s->mrays_s[s->binds];
         bb_entry *part = bb_results_part(p->results, p->entry, trace->simulated[i].name);
-        bb_put_number(part, BB_F_TRACE_SIMT, bound);
-        bb_put_text(part, BB_F_TRACE_SIMT_BINDS, bb_binding_word(s->binds));
-        bb_put_number(part, BB_F_TRACE_SIMT_ISSUE, s->mrays_s[BB_BY_ISSUE]);
-        bb_put_number(part, BB_F_TRACE_SIMT_FIRST, s->mrays_s[BB_BY_FIRST]);
-        bb_put_number(part, BB_F_TRACE_SIMT_SECOND, s->mrays_s[BB_BY_SECOND]);
-        bb_put_number(part, BB_F_TRACE_SIMT_MEMORY, s->mrays_s[BB_BY_MEMORY]);
-        bb_put_number(part, BB_F_TRACE_SIMT_EFFICIENCY, s->efficiency);
-        bb_put_number(part, BB_F_TRACE_SIMT_NODES, s->node_efficiency);
-        bb_put_number(part, BB_F_TRACE_SIMT_PRIMS, s->prim_efficiency);
-        bb_put_number(part, BB_F_TRACE_SIMT_STEPS, s->steps);
-        bb_put_number(part, BB_F_TRACE_SIMT_LINES, s->lines);
-        bb_put_number(part, BB_F_TRACE_SIMT_STACK, s->stack_bytes);
-        bb_put_number(part, BB_F_TRACE_SIMT_L1, s->first_hits);
-        bb_put_number(part, BB_F_TRACE_SIMT_L2, s->second_hits);
-        bb_put_number(part, BB_F_TRACE_SIMT_BYTES, s->memory_bytes);
-        bb_put_number(part, BB_F_TRACE_SIMT_FLIGHT, s->in_flight);
-        bb_put_number(part, BB_F_TRACE_SIMT_RAYS, (double)s->traffic.rays);
+        bb_put_text(part, BB_F_SIMT_BINDS, bb_binding_word(s->binds));
+#define SIMT(id, member, name, unit, better, heading, help)                                        \
+    bb_put_number(part, BB_F_SIMT_##id, s->member);
+#include "framework/simulate/simt_figures.h"
     }
 }
 

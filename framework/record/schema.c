@@ -17,6 +17,7 @@ enum {
     PARTS = BB_FIELD_PARTS,
     NEEDED = BB_FIELD_NEEDED,
     SIGNED = BB_FIELD_SIGNED,
+    EXACT = BB_FIELD_EXACT,
 };
 #define NAME(dimension) (BB_FIELD_NAME | BB_##dimension << BB_FIELD_DIMENSION)
 
@@ -28,14 +29,13 @@ const bb_field bb_fields[BB_FIELDS] = {
 
 /* ---- columns ---- */
 
-/* Times differ from one run to the next, and so do rates, but for those that are simulated. */
-static void set_sense(bb_column *column)
+/* Times differ from one run to the next, and so do rates, unless the field says otherwise. */
+static void set_sense(bb_column *column, bool exact)
 {
     const size_t length = strlen(column->unit);
     const bool rate = length > 2 && strcmp(column->unit + length - 2, "/s") == 0;
     const bool time = strcmp(column->unit, "ms") == 0;
-    const bool simulated = strncmp(column->name, "simt_", 5) == 0;
-    column->sense = (rate || time) && !simulated ? BB_SENSE_TIMED : BB_SENSE_EXACT;
+    column->sense = (rate || time) && !exact ? BB_SENSE_TIMED : BB_SENSE_EXACT;
     column->better = time ? BB_BETTER_LESS : rate ? BB_BETTER_MORE : BB_BETTER_NEITHER;
 }
 
@@ -62,7 +62,7 @@ const bb_column *bb_field_column(bb_field_id field)
                                 : (f->kind & BB_FIELD_NUMBER) != 0 ? BB_COLUMN_NUMBER
                                                                    : BB_COLUMN_TEXT,
                         .decimals = f->format == BB_AS_FIGURE || f->format == BB_AS_PAIRS ? -1 : 0};
-        set_sense(column);
+        set_sense(column, (f->kind & BB_FIELD_EXACT) != 0);
     }
     return column;
 }

@@ -55,7 +55,8 @@ enum {
     BB_FIELD_PARTS = 1 << 6,   /* each maker has a value, in a row of its own */
     BB_FIELD_NEEDED = 1 << 7,  /* each entry has one */
     BB_FIELD_SIGNED = 1 << 8,  /* a time that may be negative: a rest */
-    BB_FIELD_DIMENSION = 9,    /* the first of the bits above */
+    BB_FIELD_EXACT = 1 << 9,   /* a rate that is not timed */
+    BB_FIELD_DIMENSION = 10,   /* the first of the bits above */
 };
 
 typedef enum bb_field_id {

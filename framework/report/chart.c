@@ -160,7 +160,7 @@ static bb_chart_cell make_cell(const bb_charts *charts, const entry *entries, ui
         most_ms += ms_at(trace, BB_F_TRACE_RATE_LEAST);
         cell.work += count * bb_get_number(trace, BB_F_TRACE_WORK);
         for (uint32_t s = 0; s < charts->simulation_count; s++)
-            simulated_us[s] += count / bb_get_named(trace, BB_F_TRACE_SIMT, charts->simulations[s]);
+            simulated_us[s] += count / bb_get_named(trace, BB_F_SIMT_RATE, charts->simulations[s]);
         double checked = bb_get_number(trace, BB_F_ACCURACY_CHECKED);
         cell.checked += checked;
         wrong += round(ppm * checked / 1e6);
@@ -276,23 +276,6 @@ static void size_sets(entry *entries, uint32_t count)
     }
 }
 
-/* Names each simulation once. */
-static void find_simulations(const bb_section *traces, bb_charts *charts)
-{
-    bb_each(trace, traces)
-    {
-        bb_each_part(part, trace, BB_F_TRACE_SIMT)
-        {
-            uint32_t i = 0;
-            while (i < charts->simulation_count &&
-                   strcmp(charts->simulations[i], bb_part_name(part)) != 0)
-                i++;
-            if (i == charts->simulation_count && i < BB_SIMT_MAX)
-                charts->simulations[charts->simulation_count++] = bb_part_name(part);
-        }
-    }
-}
-
 bb_status bb_charts_make(bb_results *results, bb_charts *out)
 {
     const bb_section *traces = bb_results_section(results, BB_TRACES);
@@ -310,7 +293,7 @@ bb_status bb_charts_make(bb_results *results, bb_charts *out)
         bb_charts_free(out);
         goto out;
     }
-    find_simulations(traces, out);
+    out->simulation_count = bb_results_simulations(results, out->simulations);
     count = collect(traces, entries);
     size_sets(entries, count);
     group_entries(entries, count, by_rays, compare_rays);

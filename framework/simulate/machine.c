@@ -273,8 +273,8 @@ bb_status bb_machine_run(const bb_machine *machine, const bb_footing *footing,
     return status;
 }
 
-double bb_efficiency(const bb_traffic *traffic, uint32_t kind, uint32_t width)
+double bb_efficiency(const bb_issued *issued, uint32_t width)
 {
-    const bb_issued *i = &traffic->issued[kind];
-    return i->count > 0 ? (double)i->lanes / ((double)i->count * width) : (double)NAN;
+    return issued->count > 0 ? (double)issued->lanes / ((double)issued->count * width)
+                             : (double)NAN;
 }

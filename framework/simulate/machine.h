@@ -44,8 +44,7 @@ typedef struct bb_traffic {
 bb_status bb_machine_run(const bb_machine *machine, const bb_footing *footing,
                          const bb_steps *steps, bb_traffic *traffic);
 
-/* Active lanes per lane issued, over the nodes, the primitives, or all steps; NAN: nothing was
- * issued. */
-double bb_efficiency(const bb_traffic *traffic, uint32_t kind, uint32_t width);
+/* Returns the active lanes per lane issued; NAN: nothing was issued. */
+double bb_efficiency(const bb_issued *issued, uint32_t width);
 
 #endif

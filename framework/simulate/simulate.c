@@ -67,27 +67,29 @@ static double share(uint64_t part, uint64_t whole)
     return whole > 0 ? (double)part / (double)whole : (double)NAN;
 }
 
-static void find_figures(const bb_simt *simt, const bb_costs *costs, bb_simulation *s)
+static void find_figures(const bb_simt *simt, bb_simulation *s)
 {
     const bb_traffic *t = &s->traffic;
     const bb_issued *nodes = &t->issued[BB_STEP_NODE], *prims = &t->issued[BB_STEP_PRIMS];
     const bb_issued *pushes = &t->issued[BB_STEP_PUSH], *pops = &t->issued[BB_STEP_POP];
-    double instructions = 0, active = 0;
     uint64_t steps = 0;
-    for (uint32_t k = 0; k < BB_ISSUE_KINDS; k++) {
-        instructions += (double)t->issued[k].count * costs->instructions[k];
-        active += (double)t->issued[k].lanes * costs->instructions[k];
-        steps += k < BB_STEP_KINDS ? t->issued[k].count : 0;
-    }
-    s->efficiency = instructions > 0 ? active / (instructions * simt->width) : (double)NAN;
-    s->node_efficiency = bb_efficiency(t, BB_STEP_NODE, simt->width);
-    s->prim_efficiency = bb_efficiency(t, BB_STEP_PRIMS, simt->width);
+    for (uint32_t k = 0; k < BB_STEP_KINDS; k++)
+        steps += t->issued[k].count;
+    s->node_efficiency = bb_efficiency(nodes, simt->width);
+    s->prim_efficiency = bb_efficiency(prims, simt->width);
     s->steps = share(steps * simt->width, t->rays);
     s->lines = share(nodes->lines + prims->lines, nodes->count + prims->count);
     s->stack_bytes = share((pushes->sectors + pops->sectors) * BB_SECTOR_BYTES, t->rays);
-    s->first_hits = share(t->first_hits, t->first);
-    s->second_hits = share(t->second_hits, t->second);
+    s->l1_hits = share(t->first_hits, t->first);
+    s->l2_hits = share(t->second_hits, t->second);
     s->memory_bytes = share((t->read + t->written) * BB_SECTOR_BYTES, t->rays);
+    s->rays = (double)t->rays;
+}
+
+/* Returns the bound, in Mrays/s, if the units do so much of what takes `seconds` in all. */
+static double bound(const bb_simulation *s, double seconds)
+{
+    return seconds > 0 ? s->rays / seconds / 1e6 : (double)INFINITY;
 }
 
 static void find_bounds(const bb_simt *simt, const bb_costs *costs, bb_simulation *s)
@@ -95,23 +97,26 @@ static void find_bounds(const bb_simt *simt, const bb_costs *costs, bb_simulatio
     const bb_description *d = &simt->device;
     const bb_traffic *t = &s->traffic;
     const double clock = d->clock_ghz * 1e9, turns = ceil(simt->width / d->lanes);
-    double instructions = 0;
-    for (uint32_t k = 0; k < BB_ISSUE_KINDS; k++)
+    double instructions = 0, active = 0;
+    for (uint32_t k = 0; k < BB_ISSUE_KINDS; k++) {
         instructions += (double)t->issued[k].count * costs->instructions[k];
-    const double seconds[BB_BINDINGS] = {
-        [BB_BY_ISSUE] = instructions * turns / (d->units * d->issues_per_clock * clock),
-        [BB_BY_FIRST] =
-            (double)t->first * BB_SECTOR_BYTES / (d->units * d->first_bytes_per_clock * clock),
-        [BB_BY_SECOND] = (double)(t->second + t->second_written) * BB_SECTOR_BYTES /
-                         (d->second_bytes_per_clock * clock),
-        [BB_BY_MEMORY] = (double)(t->read + t->written) * BB_SECTOR_BYTES / (d->memory_gb_s * 1e9),
-    };
-    s->binds = BB_BY_ISSUE;
-    for (int i = 0; i < BB_BINDINGS; i++) {
-        s->mrays_s[i] = seconds[i] > 0 ? (double)t->rays / seconds[i] / 1e6 : (double)INFINITY;
-        if (s->mrays_s[i] < s->mrays_s[s->binds])
-            s->binds = (bb_binding)i;
+        active += (double)t->issued[k].lanes * costs->instructions[k];
     }
+    s->efficiency = instructions > 0 ? active / (instructions * simt->width) : (double)NAN;
+    s->issue_mrays_s = bound(s, instructions * turns / (d->units * d->issues_per_clock * clock));
+    s->l1_mrays_s = bound(s, (double)t->first * BB_SECTOR_BYTES /
+                                 (d->units * d->first_bytes_per_clock * clock));
+    s->l2_mrays_s = bound(s, (double)(t->second + t->second_written) * BB_SECTOR_BYTES /
+                                 (d->second_bytes_per_clock * clock));
+    s->memory_mrays_s = bound(s, s->memory_bytes * s->rays / (d->memory_gb_s * 1e9));
+    const double bounds[BB_BINDINGS] = {[BB_BY_ISSUE] = s->issue_mrays_s,
+                                        [BB_BY_FIRST] = s->l1_mrays_s,
+                                        [BB_BY_SECOND] = s->l2_mrays_s,
+                                        [BB_BY_MEMORY] = s->memory_mrays_s};
+    s->binds = BB_BY_ISSUE;
+    for (int i = 0; i < BB_BINDINGS; i++)
+        s->binds = bounds[i] < bounds[s->binds] ? (bb_binding)i : s->binds;
+    s->mrays_s = bounds[s->binds];
 }
 
 bb_status bb_simulate(const bb_simt *simt, const bb_traverser_request *request,
@@ -119,14 +124,17 @@ bb_status bb_simulate(const bb_simt *simt, const bb_traverser_request *request,
                       bb_simulation *simulation)
 {
     bb_costs costs;
-    *simulation = (bb_simulation){.in_flight = 0};
+    if (!bb_intersector_is_exact(request->intersector))
+        return bb_fail(BB_UNSUPPORTED, "kernels/isa.tsv has the code of `exact` alone, not of %s",
+                       request->intersector->name);
     BB_TRY(bb_costs_find(request->spec, simt->device.code, &costs));
-    simulation->in_flight = bb_description_in_flight(&simt->device, costs.registers, simt->width);
-    const bb_machine machine =
-        machine_for(&simt->device, simt->width, simulation->in_flight, steps->rays);
+    const uint32_t in_flight =
+        bb_description_in_flight(&simt->device, costs.registers, simt->width);
+    const bb_machine machine = machine_for(&simt->device, simt->width, in_flight, steps->rays);
     const bb_footing footing = bb_footing_of(request, layout);
+    *simulation = (bb_simulation){.in_flight = in_flight};
     BB_TRY(bb_machine_run(&machine, &footing, steps, &simulation->traffic));
-    find_figures(simt, &costs, simulation);
+    find_figures(simt, simulation);
     find_bounds(simt, &costs, simulation);
     return BB_OK;
 }

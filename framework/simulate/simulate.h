@@ -37,20 +37,12 @@ typedef enum bb_binding {
     BB_BINDINGS
 } bb_binding;
 
+/* NAN: there is no such figure; an infinite bound does not bind. */
 typedef struct bb_simulation {
     bb_traffic traffic;
-    uint32_t in_flight; /* groups of a unit */
-    /* active lanes per lane issued: over all instructions, of nodes, of primitives */
-    double efficiency, node_efficiency, prim_efficiency;
-    double steps;       /* per ray: taken by its group, whether it is active or not */
-    double lines;       /* distinct lines per step that reads nodes or primitives */
-    double stack_bytes; /* per ray, of stack entries */
-    double
-        first_hits; /* share of sectors found in the first cache, and of the rest in the second */
-    double second_hits;
-    double memory_bytes;         /* per ray */
-    double mrays_s[BB_BINDINGS]; /* bounds */
-    bb_binding binds;            /* the least of them */
+    bb_binding binds; /* the least bound */
+#define SIMT(id, member, name, unit, better, heading, help) double member;
+#include "framework/simulate/simt_figures.h"
 } bb_simulation;
 
 /* The word for it: "issue", "L1", "L2", "memory". */

@@ -10,6 +10,7 @@ typedef struct lane_more {
 #define NODE_BYTES 80u
 #define PLACE(entry) (entry)
 #define ONCE 1
+#define RESTARTS 0
 
 /* What comes next: nodes and primitives first, then the stack. */
 static void look_around(lane *l, lane_more *m)
@@ -100,15 +101,6 @@ static void lane_pop(lane *l, lane_more *m)
 {
     m->group = m->stack[l->top];
     look_around(l, m);
-}
-
-static bool lane_restarts(const lane *l, const lane_more *m)
-{
-    return false;
-}
-
-static void lane_restart(lane *l, lane_more *m)
-{
 }
 
 #include "lockstep_trace.clh"

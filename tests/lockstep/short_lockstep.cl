@@ -13,6 +13,7 @@ typedef struct lane_more {
 #define NODE_BYTES 64u
 #define PLACE(entry) ((entry) % BB_ENTRIES)
 #define ONCE 0
+#define RESTARTS 1
 
 static void lane_start(lane *l, lane_more *m)
 {

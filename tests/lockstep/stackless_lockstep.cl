@@ -10,6 +10,7 @@ typedef struct lane_more {
 #define NODE_BYTES 32u
 #define PLACE(entry) (entry)
 #define ONCE 1
+#define RESTARTS 0
 
 static void lane_start(lane *l, lane_more *m)
 {
@@ -72,15 +73,6 @@ static bool lane_pops(const lane *l, const lane_more *m)
 }
 
 static void lane_pop(lane *l, lane_more *m)
-{
-}
-
-static bool lane_restarts(const lane *l, const lane_more *m)
-{
-    return false;
-}
-
-static void lane_restart(lane *l, lane_more *m)
 {
 }
 

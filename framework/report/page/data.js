@@ -96,7 +96,7 @@ const metrics = [false, true].flatMap(onRequest => schema.metrics.filter(m => m.
 /* What speed is drawn against: these, counted work, and simulations. */
 const measures = [...schema.metrics, { name: 'work_per_ray', title: 'counted work', unit: 'per ray' },
   ...[...new Set(sets.flatMap(s => s.cells.flatMap(c => Object.keys(c.metrics))))].filter(name => name.startsWith('simt:'))
-    .map(name => ({ name, title: `simulated speed, not measured (${name.slice(5)})`, unit: 'bound on Mrays/s' }))];
+    .map(name => ({ name, title: `simulated speed, not validated (${name.slice(5)})`, unit: 'bound on Mrays/s' }))];
 
 /* ---- the cells of the charts, computed with the results (framework/report/chart.h) ---- */
 for (const set of sets) {
