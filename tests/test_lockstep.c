@@ -280,26 +280,70 @@ static void numbers_of_nodes_do_not_matter(void **state)
     bb_scene_free(scene);
 }
 
-/* A sample of a run is that run; of all rays it is all. */
+static uint32_t begin_of(const bb_steps *steps, uint32_t ray)
+{
+    return ray > 0 ? steps->ends[ray - 1] : 0;
+}
+
+/* Whether a run of both has the same steps. */
+static bool is_same_run(const bb_steps *a, uint32_t of_a, const bb_steps *b, uint32_t of_b)
+{
+    const uint32_t first_a = begin_of(a, of_a * BB_STEPS_RUN);
+    const uint32_t first_b = begin_of(b, of_b * BB_STEPS_RUN);
+    for (uint32_t i = 0; i < BB_STEPS_RUN; i++)
+        if (a->ends[of_a * BB_STEPS_RUN + i] - first_a !=
+            b->ends[of_b * BB_STEPS_RUN + i] - first_b)
+            return false;
+    const size_t words = a->ends[(of_a + 1) * BB_STEPS_RUN - 1] - first_a;
+    return memcmp(a->words + first_a, b->words + first_b, words * sizeof *a->words) == 0;
+}
+
+/* A sample has whole runs of the set, in their order, as many short and long ones as the set. */
 static void samples_are_runs_of_the_set(void **state)
 {
     (void)state;
-    static bb_ray rays[RAYS];
+    enum { RUNS = 192, COUNT = RUNS * BB_STEPS_RUN + 5, KINDS = 3, PART = 4 };
+    static bb_ray rays[COUNT];
     bb_scene *scene;
     bb_tree tree;
+    laid_out l;
+    bb_steps all, some;
     bb_random random = bb_random_make(seed, 4);
     check(bb_scene_load("soup:n=100", &scene), "scene");
     check(bb_scene_upload(scene, device), "scene");
-    make_rays(scene, rays);
+    /* of three runs the rays of one are empty, of one go past the scene, of one through it */
+    for (uint32_t i = 0; i < COUNT; i++) {
+        const uint32_t kind = i / BB_STEPS_RUN % KINDS;
+        rays[i].tmax = kind == 0 ? -1 : INFINITY;
+        for (int k = 0; k < 3; k++) {
+            const float lo = scene->bounds.lo[k], hi = scene->bounds.hi[k];
+            rays[i].o[k] =
+                (float)bb_random_range(&random, lo, hi) + (kind == 1 ? 2 * (hi - lo) : 0);
+            rays[i].d[k] = (float)bb_random_range(&random, 0.1, 1);
+        }
+    }
     make_random_tree(scene, 2, 1, &random, &tree);
-    bb_steps all, some;
-    record_on(scene, &tree, "stack", true, rays, RAYS, &all);
-    record_on(scene, &tree, "stack", true, rays, BB_STEPS_RUN, &some);
-    assert_int_equal(some.rays, BB_STEPS_RUN);
-    assert_memory_equal(some.ends, all.ends, BB_STEPS_RUN * sizeof *all.ends);
-    assert_memory_equal(some.words, all.words, all.ends[BB_STEPS_RUN - 1] * sizeof *all.words);
+    lay_out(&l, "stack", scene, &tree, 1, true);
+    check(bb_steps_record(device, &l.request, &l.layout, rays, COUNT, COUNT, &all), "all");
+    assert_int_equal(all.rays, COUNT);
+    for (uint32_t runs = RUNS / 16; runs <= RUNS; runs *= 2) {
+        const uint32_t taken = runs / PART;
+        check(bb_steps_record(device, &l.request, &l.layout, rays, runs * BB_STEPS_RUN + 5,
+                              taken * BB_STEPS_RUN, &some),
+              "some");
+        assert_int_equal(some.rays, taken * BB_STEPS_RUN);
+        uint32_t long_ones = 0, run = 0;
+        for (uint32_t i = 0; i < taken; i++, run++) {
+            while (run < runs && !is_same_run(&some, i, &all, run))
+                run++;
+            assert_true(run < runs);
+            long_ones += run % KINDS == 2; /* others may be alike */
+        }
+        assert_int_equal(long_ones, taken / KINDS);
+        bb_steps_release(&some);
+    }
+    release_layout(&l);
     bb_steps_release(&all);
-    bb_steps_release(&some);
     bb_tree_release(&tree);
     bb_scene_free(scene);
 }

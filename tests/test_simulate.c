@@ -108,7 +108,7 @@ static void rays_wait_for_their_group(void **state)
 {
     (void)state;
     bb_count waits[4];
-    const bb_footing f = {.control = BB_WHILE_WHILE};
+    const bb_footing f = {.control = BB_WHILE_WHILE, .group = 2};
     no_rays();
     add_ray("NNNP");
     add_ray("NP");
@@ -125,7 +125,7 @@ static void rays_wait_for_their_group(void **state)
 /* ---- a machine ---- */
 
 static const bb_footing footing = {
-    .control = BB_WHILE_WHILE, .node_bytes = 64, .prim_bytes = 48, .result_bytes = 8};
+    .control = BB_WHILE_WHILE, .group = 32, .node_bytes = 64, .prim_bytes = 48, .result_bytes = 8};
 
 static bb_traffic run(const bb_machine *machine, const bb_footing *f)
 {
@@ -269,6 +269,65 @@ static void caches_find_what_they_hold(void **state)
     t = run(&m, &footing);
     assert_int_equal(t.written, 16);
     assert_true(t.read > 64 + 4);
+}
+
+/* A work-group that is no multiple of the width has idle lanes, and one unit runs all of it. */
+static void work_groups_are_not_torn_apart(void **state)
+{
+    (void)state;
+    bb_machine m = machine_of(32, 2, 1);
+    bb_footing f = footing;
+    f.group = 48;
+    no_rays();
+    add_rays(100, "N1"); /* 32, 16; 32, 16; 4 */
+    bb_traffic t = run(&m, &f);
+    assert_int_equal(t.groups, 5);
+    assert_int_equal(t.issued[BB_STEP_NODE].count, 5);
+    assert_int_equal(t.issued[BB_STEP_NODE].lanes, 100);
+    /* all groups of a unit but the first find the node in its cache */
+    assert_int_equal(t.first_hits, 2 * (5 - 2));
+    f.group = 32;
+    t = run(&m, &f);
+    assert_int_equal(t.groups, 4);
+    f.group = 16; /* as many lanes are idle as active */
+    t = run(&m, &f);
+    assert_int_equal(t.groups, 7);
+    assert_true(bb_efficiency(&t.issued[BB_STEP_NODE], 32) == 100.0 / (7 * 32));
+}
+
+/* The second cache has the layout at first, or every other line of it. */
+static void the_second_cache_begins_warm(void **state)
+{
+    (void)state;
+    const bb_machine m = machine_of(32, 1, 1);
+    bb_footing f = footing;
+    no_rays();
+    for (uint32_t i = 0; i < 64; i++) {
+        char steps[32];
+        snprintf(steps, sizeof steps, "N%uP%u", 2 * i, 8 * i);
+        add_ray(steps);
+    }
+    const bb_traffic cold = run(&m, &f);
+    f.nodes_bytes = 128 * 64;
+    f.prims_bytes = 512 * 48;
+    const bb_traffic warm = run(&m, &f);
+    const bb_issued *nodes = &warm.issued[BB_STEP_NODE], *prims = &warm.issued[BB_STEP_PRIMS];
+    assert_int_equal(cold.second_hits, 0);
+    assert_int_equal(warm.second_hits, nodes->sectors + prims->sectors);
+    assert_int_equal(cold.read - warm.read, warm.second_hits);
+    assert_int_equal(cold.written, warm.written);
+    /* twice as many lines as there is room for: half of them, less where a set is full; these are
+     * read from the middle of the arrays */
+    f.nodes_bytes = f.prims_bytes = m.second_bytes;
+    no_rays();
+    for (uint32_t i = 0; i < 64; i++) {
+        char steps[32];
+        snprintf(steps, sizeof steps, "N%uP%u", 30000 + 2 * i, 40000 + 8 * i);
+        add_ray(steps);
+    }
+    const bb_traffic half = run(&m, &f);
+    const double hits = (double)half.second_hits, all = (double)warm.second_hits;
+    assert_true(hits > 0.35 * all && hits < 0.55 * all);
 }
 
 /* ---- caches, against a list ---- */
@@ -423,6 +482,8 @@ int main(void)
         cmocka_unit_test(efficiency_is_that_of_active_lanes),
         cmocka_unit_test(sectors_of_a_step_are_distinct),
         cmocka_unit_test(caches_find_what_they_hold),
+        cmocka_unit_test(work_groups_are_not_torn_apart),
+        cmocka_unit_test(the_second_cache_begins_warm),
         cmocka_unit_test(the_line_used_longest_ago_gives_way),
         cmocka_unit_test(sets_share_the_lines),
         cmocka_unit_test(bounds_are_those_of_the_device),

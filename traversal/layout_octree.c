@@ -64,7 +64,7 @@ static bb_status make(void *opaque, const bb_layout_source *source, bb_layout_da
     BB_TRY(bb_launch(device, self->grid, 1, 1, BB_MEM(tree->d_nodes), BB_VALUE(data->root),
                      BB_VALUE(bits), BB_MEM(data->buffers[2])));
     return bb_leaf_prims_make(self->leaf_prims, source, &tree->d_refs, data->format, false,
-                              &data->buffers[1], &data->bytes);
+                              &data->buffers[1], &data->prims_bytes);
 }
 
 const bb_layout bb_layout_octree = {

@@ -42,7 +42,7 @@ static bb_status make(void *opaque, const bb_layout_source *source, bb_layout_da
     BB_TRY(bb_pairs_make(&self->pairs, source, &data->buffers[0], &count, &data->root));
     data->bytes += count * sizeof(bb_pair);
     return bb_leaf_prims_make(self->leaf_prims, source, &tree->d_refs, data->format, false,
-                              &data->buffers[1], &data->bytes);
+                              &data->buffers[1], &data->prims_bytes);
 }
 
 const bb_layout bb_layout_pair = {

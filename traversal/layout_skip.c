@@ -97,7 +97,7 @@ static bb_status make(void *opaque, const bb_layout_source *source, bb_layout_da
                      BB_MEM(*(has_reach ? source->reach : &self->positions)), BB_VALUE(has_reach),
                      BB_MEM(data->buffers[0])));
     return bb_leaf_prims_make(self->leaf_prims, source, &tree->d_refs, data->format, false,
-                              &data->buffers[1], &data->bytes);
+                              &data->buffers[1], &data->prims_bytes);
 }
 
 const bb_layout bb_layout_skip = {

@@ -170,7 +170,7 @@ static bb_status make_timed(bb_layout_maker *maker, const bb_scene *scene, bb_tr
         BB_TRY(bb_collapse_create(maker->device, &maker->account, &maker->collapse));
     if (tree->duplicated && maker->reach == NULL)
         BB_TRY(bb_reach_create(maker->device, &maker->account, &maker->reach));
-    data->bytes = 0;
+    data->bytes = data->prims_bytes = 0;
     data->ends = bb_scene_ends(scene);
     data->kinds = scene->kinds | maker->wish.kinds;
     data->format = format;
@@ -182,6 +182,7 @@ static bb_status make_timed(bb_layout_maker *maker, const bb_scene *scene, bb_tr
     BB_TRY(bb_stopwatch_start(maker->device, &watch));
     bb_status status = make(maker, scene, tree, plan, leaf, same_links, data, &traced);
     BB_TRY(bb_stopwatch_stop(&watch, status, &data->timing));
+    data->bytes += data->prims_bytes;
     data->sah = NAN;
     if (leaf > 1) {
         if (data->keeps_shape) { /* outside the clock */

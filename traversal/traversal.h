@@ -71,7 +71,7 @@ typedef struct bb_layout_data {
     uint32_t stack_need; /* stack entries that an ordered traversal needs; native nodes: at most */
     uint32_t levels;     /* inner nodes on the longest path, as the kernel counts; an upper bound */
     uint32_t leaves;     /* of the tree, for layouts of which kernels run per leaf */
-    uint64_t bytes;
+    uint64_t bytes, prims_bytes; /* in all; of these, of primitives */
     /* the traced nodes are the tree's own: its SAH is also the layout's, and the trace is native */
     bool keeps_shape;
     double sah;       /* of the layout as traced; NAN: not known */

@@ -246,14 +246,14 @@ static bb_status make_blocks(wide_layout *self, const bb_layout_source *source,
     if (has_records(source)) {
         data->lanes = 1;
         return bb_leaf_prims_make(self->leaf_prims, source, &source->tree->d_refs, data->format,
-                                  true, &data->buffers[1], &data->bytes);
+                                  true, &data->buffers[1], &data->prims_bytes);
     }
     if (fresh)
         BB_TRY(number_blocks(self, source));
     size_t scan = (size_t)count + 1;
     size_t bytes = ((size_t)self->block_count + 1) * words * sizeof(uint32_t);
     BB_TRY(reserve(self, bytes, "wide: blocks of primitives", &data->buffers[1]));
-    data->bytes += bytes;
+    data->prims_bytes += bytes;
     return bb_launch(self->device, self->blocks, scan, GROUP_SIZE, BB_MEM(tree->d_refs),
                      BB_VALUE(count), BB_MEM(geometry->vertices), BB_MEM(geometry->prims),
                      BB_VALUE(ends), BB_VALUE(data->scale), BB_VALUE(data->format), BB_VALUE(words),
@@ -363,7 +363,7 @@ static bb_status make_direct(wide_layout *self, const bb_layout_source *source,
         BB_TRY(bb_wide_direct_number(direct, source));
     BB_TRY(source->leaf == 1 ? make_blocks(self, source, data)
                              : bb_wide_direct_blocks(direct, source, data->format,
-                                                     &data->buffers[1], &data->bytes));
+                                                     &data->buffers[1], &data->prims_bytes));
     data->levels = bb_pairs_stack_need(&source->tree->info);
     data->root = direct->root;
     data->stack_need = direct->stack_need;
@@ -389,7 +389,7 @@ static bb_status make_native(wide_layout *self, const bb_layout_source *source,
     if (single)
         BB_TRY(make_blocks(self, source, data));
     BB_TRY(bb_wide_native_number(native, source, self->follow.width, single, data->format,
-                                 &data->buffers[1], &data->bytes));
+                                 &data->buffers[1], &data->prims_bytes));
     data->root = native->root;
     data->levels = info->depth;
     data->stack_need = info->depth * (info->arity - (info->arity > 0)); /* at most */
@@ -422,7 +422,7 @@ bb_status bb_wide_make(void *opaque, const bb_layout_source *source, bb_layout_d
     if (self->compressed) {
         BB_TRY(make_nodes(self, source, data));
         return bb_leaf_prims_make(self->leaf_prims, source, &self->cwbvh.order, data->format, false,
-                                  &data->buffers[1], &data->bytes);
+                                  &data->buffers[1], &data->prims_bytes);
     }
     BB_TRY(make_blocks(self, source, data));
     return make_nodes(self, source, data);

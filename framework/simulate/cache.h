@@ -6,6 +6,7 @@
 #include "framework/base/status.h"
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 enum {
@@ -14,16 +15,12 @@ enum {
     BB_LINE_BYTES = BB_SECTOR_BYTES * BB_LINE_SECTORS
 };
 
-typedef struct bb_cache_line {
-    uint64_t tag;             /* address / BB_LINE_BYTES, plus one; 0: none */
-    uint64_t used;            /* time of the last access */
-    uint8_t present, written; /* bit i: sector i */
-} bb_cache_line;
-
+/* The lines of a set, the one used last first. A line is a word: from the top its address /
+ * BB_LINE_BYTES, a bit that is set for all lines but empty ones, a bit for each sector that is
+ * present, and one for each that was written. */
 typedef struct bb_cache {
     uint32_t sets, ways;
-    uint64_t time;
-    bb_cache_line *lines; /* [sets][ways] */
+    uint64_t *lines; /* [sets][ways] */
 } bb_cache;
 
 /* What an access asks of the next level. */
@@ -38,8 +35,18 @@ typedef struct bb_cache_miss {
 bb_status bb_cache_create(uint64_t bytes, uint32_t ways, bb_cache *cache);
 void bb_cache_release(bb_cache *cache); /* a zeroed one is allowed */
 
+/* Returns the set that holds the line at this address. */
+uint32_t bb_cache_set_of(const bb_cache *cache, uint64_t address);
+
 /* Reads or writes the sector at `address`, a multiple of BB_SECTOR_BYTES. A sector that is written
  * is not fetched, and is written back when its line gives way. Returns whether it was there. */
 bool bb_cache_access(bb_cache *cache, uint64_t address, bool write, bb_cache_miss *miss);
+
+/* Has all sectors of the line at this address, as if they had been read. */
+void bb_cache_hold(bb_cache *cache, uint64_t address);
+
+/* Empties line number i of sets * ways; returns the sectors of it that have to be written, and its
+ * address in *line. */
+uint8_t bb_cache_flush(bb_cache *cache, size_t i, uint64_t *line);
 
 #endif

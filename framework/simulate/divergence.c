@@ -1,6 +1,5 @@
 #include "framework/simulate/divergence.h"
 
-#include "framework/base/arithmetic.h"
 #include "framework/simulate/warp.h"
 
 void bb_divergence(const bb_steps *steps, const bb_footing *footing, uint32_t width,
@@ -8,8 +7,9 @@ void bb_divergence(const bb_steps *steps, const bb_footing *footing, uint32_t wi
 {
     bb_warp warp;
     bb_issue issue;
-    for (uint32_t first = 0; first < steps->rays; first += width) {
-        const uint32_t lanes = bb_min_u32(width, steps->rays - first);
+    uint32_t first, lanes;
+    for (uint64_t g = 0; (lanes = bb_footing_lanes(footing, width, steps->rays, g, &first)) > 0;
+         g++) {
         bb_warp_start(&warp, steps, footing->control, footing->ring, first, lanes);
         for (uint32_t i = 0; i < lanes; i++)
             waits[first + i] = (bb_count){0};

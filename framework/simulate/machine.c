@@ -1,274 +1,193 @@
 #include "framework/simulate/machine.h"
 
-#include "framework/base/arithmetic.h"
-#include "framework/base/memory.h"
+#include "framework/base/threads.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
-enum {
-    /* an array begins with each multiple of 2^40 */
-    BASE_SHIFT = 40,
-    RAYS = 1,
-    RESULTS,
-    NODES,
-    PRIMS,
-    PRIVATE,
-    /* of a lane */
-    ENTRY_WORDS = 2,
-    ENTRIES_MOST = 1 << 12,
-    /* sectors of a step: each lane reads a node of 256 bytes or two words */
-    SECTORS_MOST = BB_WARP_MOST * 16
-};
-
-typedef struct unit {
-    bb_cache cache;
-    bb_warp *slots; /* [in_flight] */
-    bool *busy;
-    uint32_t turn;    /* slot */
-    uint32_t running; /* groups */
-} unit;
+/* Some sets of the second cache, which a thread looks after, and what it has counted. */
+typedef struct slice {
+    uint32_t first, end;
+    uint64_t reads, hits, writes;
+    uint64_t read, written; /* from and to memory */
+} slice;
 
 typedef struct run {
     const bb_machine *machine;
-    const bb_footing *footing;
-    const bb_steps *steps;
-    bb_traffic *traffic;
-    unit *units;
+    bb_pool *pool;
+    bb_unit *units;
     bb_cache second;
-    uint32_t next, groups; /* of rays */
+    slice *slices;
+    uint32_t slice_count;
 } run;
 
-/* Sorts a few values, and keeps one of each. */
-static uint32_t sort_unique(uint64_t *values, uint32_t count)
-{
-    uint32_t kept = 0;
-    for (uint32_t i = 0; i < count; i++) {
-        const uint64_t value = values[i];
-        uint32_t at = kept;
-        while (at > 0 && values[at - 1] > value)
-            at--;
-        if (at > 0 && values[at - 1] == value)
-            continue;
-        memmove(values + at + 1, values + at, (kept - at) * sizeof *values);
-        values[at] = value;
-        kept++;
-    }
-    return kept;
-}
+/* ---- the second cache ---- */
 
-/* Gets the distinct sectors of items [bytes] of an array that the lanes name. */
-static uint32_t sectors_of(const bb_issue *issue, uint32_t array, uint32_t bytes, uint64_t *sectors)
-{
-    uint64_t items[BB_WARP_MOST];
-    uint32_t count = 0, n = 0;
-    for (uint64_t rest = issue->lanes; rest != 0; rest &= rest - 1)
-        items[count++] = issue->index[__builtin_ctzll(rest)];
-    count = sort_unique(items, count);
-    for (uint32_t i = 0; i < count; i++) {
-        const uint64_t at = ((uint64_t)array << BASE_SHIFT) + items[i] * bytes;
-        for (uint64_t s = at / BB_SECTOR_BYTES; s <= (at + bytes - 1) / BB_SECTOR_BYTES; s++)
-            if (n == 0 || sectors[n - 1] != s)
-                sectors[n++] = s;
-    }
-    return n;
-}
-
-/* The same of stack entries, whose words lie side by side for all lanes of a slot. */
-static uint32_t sectors_of_stack(const bb_issue *issue, uint32_t width, uint64_t slot,
-                                 uint64_t *sectors)
-{
-    uint32_t n = 0;
-    const uint64_t base =
-        ((uint64_t)PRIVATE << BASE_SHIFT) + slot * ENTRIES_MOST * ENTRY_WORDS * width * 4;
-    for (uint32_t i = 0; i < width; i++)
-        for (uint32_t word = 0; (issue->lanes >> i & 1) != 0 && word < ENTRY_WORDS; word++) {
-            const uint64_t row = (uint64_t)issue->index[i] * ENTRY_WORDS + word;
-            sectors[n++] = (base + (row * width + i) * 4) / BB_SECTOR_BYTES;
-        }
-    return sort_unique(sectors, n);
-}
-
-static void to_memory(run *r, uint8_t written)
-{
-    r->traffic->written += (unsigned)__builtin_popcount(written);
-}
-
-static void ask_second(run *r, uint64_t address, bool write)
+static void ask(run *r, slice *s, uint64_t address, bool write)
 {
     bb_cache_miss miss;
     const bool hit = bb_cache_access(&r->second, address, write, &miss);
-    if (write) {
-        r->traffic->second_written++;
-    } else {
-        r->traffic->second++;
-        r->traffic->second_hits += hit;
-    }
-    r->traffic->read += miss.fetched;
-    to_memory(r, miss.written);
+    s->writes += write;
+    s->reads += !write;
+    s->hits += hit && !write;
+    s->read += miss.fetched;
+    s->written += (unsigned)__builtin_popcount(miss.written);
 }
 
-static void write_back(run *r, const bb_cache_miss *miss)
-{
-    for (uint32_t s = 0; s < BB_LINE_SECTORS; s++)
-        if ((miss->written >> s & 1) != 0)
-            ask_second(r, miss->line + s * BB_SECTOR_BYTES, true);
-}
-
-static void ask_first(run *r, unit *u, uint64_t sector, bool write)
-{
-    bb_cache_miss miss;
-    const uint64_t address = sector * BB_SECTOR_BYTES;
-    r->traffic->first++;
-    r->traffic->first_hits += bb_cache_access(&u->cache, address, write, &miss);
-    write_back(r, &miss);
-    if (miss.fetched)
-        ask_second(r, address, false);
-}
-
-static void issue_step(run *r, unit *u, uint64_t slot, const bb_issue *issue)
-{
-    const bb_footing *f = r->footing;
-    uint64_t sectors[SECTORS_MOST], line = UINT64_MAX;
-    uint32_t count = 0;
-    switch (issue->kind) {
-    case BB_STEP_NODE:
-        count = sectors_of(issue, NODES, f->node_bytes, sectors);
-        break;
-    case BB_STEP_PRIMS:
-        count = sectors_of(issue, PRIMS, f->prim_bytes, sectors);
-        break;
-    case BB_ISSUE_BEGIN:
-        count = sectors_of(issue, RAYS, sizeof(bb_ray), sectors);
-        break;
-    case BB_ISSUE_END:
-        count = sectors_of(issue, RESULTS, f->result_bytes, sectors);
-        break;
-    case BB_STEP_PUSH:
-    case BB_STEP_POP:
-        count = sectors_of_stack(issue, r->machine->width, slot, sectors);
-        break;
-    default:
-        break;
-    }
-    bb_issued *sum = &r->traffic->issued[issue->kind];
-    sum->count++;
-    sum->lanes += (unsigned)__builtin_popcountll(issue->lanes);
-    sum->sectors += count;
-    const bool write = issue->kind == BB_STEP_PUSH || issue->kind == BB_ISSUE_END;
-    for (uint32_t i = 0; i < count; i++) {
-        sum->lines += sectors[i] / BB_LINE_SECTORS != line;
-        line = sectors[i] / BB_LINE_SECTORS;
-        ask_first(r, u, sectors[i], write);
-    }
-}
-
-/* Gives the next group to the first free slot of the unit, if there are both. */
-static void take_group(run *r, unit *u)
-{
-    const uint32_t width = r->machine->width;
-    for (uint32_t s = 0; s < r->machine->in_flight && r->next < r->groups; s++) {
-        if (u->busy[s])
-            continue;
-        const uint32_t first = r->next++ * width;
-        bb_warp_start(&u->slots[s], r->steps, r->footing->control, r->footing->ring, first,
-                      bb_min_u32(width, r->steps->rays - first));
-        u->busy[s] = true;
-        u->running++;
-        return;
-    }
-}
-
-/* A unit's turn in a round: a step of the next of its groups that has one. */
-static void take_turn(run *r, unit *u)
-{
-    bb_issue issue;
-    const uint32_t slots = r->machine->in_flight;
-    while (u->running > 0) {
-        const uint32_t s = u->turn;
-        u->turn = (s + 1) % slots;
-        if (!u->busy[s])
-            continue;
-        if (bb_warp_next(&u->slots[s], &issue)) {
-            issue_step(r, u, (uint64_t)(u - r->units) * slots + s, &issue);
-            return;
-        }
-        u->busy[s] = false;
-        u->running--;
-        take_group(r, u);
-    }
-}
-
-static void run_rounds(run *r)
+/* Answers requests to its sets, in the order of rounds, and in each of units. */
+static void answer(run *r, slice *s)
 {
     const uint32_t units = r->machine->units;
-    /* groups are dealt out to the units by turns */
-    for (uint32_t s = 0; s < r->machine->in_flight; s++)
-        for (uint32_t i = 0; i < units; i++)
-            take_group(r, &r->units[i]);
-    for (bool any = true; any;) {
-        any = false;
+    for (uint32_t round = 0; round < BB_WINDOW_ROUNDS; round++)
         for (uint32_t i = 0; i < units; i++) {
-            take_turn(r, &r->units[i]);
-            any = any || r->units[i].running > 0;
+            const bb_unit *u = &r->units[i];
+            for (size_t k = round > 0 ? u->ends[round - 1] : 0; k < u->ends[round]; k++) {
+                const uint64_t address = u->asked[k] & ~1ull;
+                const uint32_t set = bb_cache_set_of(&r->second, address);
+                if (set >= s->first && set < s->end)
+                    ask(r, s, address, (u->asked[k] & 1) != 0);
+            }
         }
-    }
 }
 
-static void flush(run *r, bb_cache *cache, bool first)
+static void answer_slices(void *context, size_t begin, size_t end, uint32_t thread)
 {
-    for (size_t i = 0; i < (size_t)cache->sets * cache->ways; i++) {
-        const bb_cache_miss miss = {.written = cache->lines[i].written,
-                                    .line = (cache->lines[i].tag - 1) * BB_LINE_BYTES};
-        if (miss.written != 0 && first)
-            write_back(r, &miss);
-        else
-            to_memory(r, miss.written);
+    run *r = context;
+    (void)thread;
+    for (size_t i = begin; i < end; i++)
+        answer(r, &r->slices[i]);
+}
+
+/* Fills it with an even share of the lines of these bytes, `part` of them. */
+static void hold_some(bb_cache *cache, uint32_t array, uint64_t bytes, double part)
+{
+    const uint64_t lines = (bytes + BB_LINE_BYTES - 1) / BB_LINE_BYTES;
+    const uint64_t kept = (uint64_t)((double)lines * part);
+    for (uint64_t i = 0; i < kept; i++)
+        bb_cache_hold(cache, ((uint64_t)array << BB_BASE_SHIFT) + i * lines / kept * BB_LINE_BYTES);
+}
+
+static void warm_up(bb_cache *cache, const bb_footing *f)
+{
+    const double room = (double)cache->sets * cache->ways * BB_LINE_BYTES;
+    const double all = (double)(f->nodes_bytes + f->prims_bytes),
+                 part = all > room ? room / all : 1;
+    hold_some(cache, BB_AT_NODES, f->nodes_bytes, part);
+    hold_some(cache, BB_AT_PRIMS, f->prims_bytes, part);
+}
+
+/* ---- all of it ---- */
+
+static void run_units(void *context, size_t begin, size_t end, uint32_t thread)
+{
+    run *r = context;
+    (void)thread;
+    for (size_t i = begin; i < end; i++)
+        bb_unit_run(&r->units[i]);
+}
+
+static bool are_running(const run *r)
+{
+    for (uint32_t i = 0; i < r->machine->units; i++)
+        if (r->units[i].running > 0)
+            return true;
+    return false;
+}
+
+static bb_status check_memory(const run *r)
+{
+    for (uint32_t i = 0; i < r->machine->units; i++)
+        if (r->units[i].short_of_memory)
+            return bb_fail(BB_REFUSED, "no memory for requests of a simulated unit");
+    return BB_OK;
+}
+
+static bb_status run_windows(run *r)
+{
+    while (are_running(r)) {
+        bb_parallel_for(r->pool, r->machine->units, 1, run_units, r);
+        BB_TRY(check_memory(r));
+        bb_parallel_for(r->pool, r->slice_count, 1, answer_slices, r);
+    }
+    for (uint32_t i = 0; i < r->machine->units; i++)
+        bb_unit_flush(&r->units[i]);
+    BB_TRY(check_memory(r));
+    bb_parallel_for(r->pool, r->slice_count, 1, answer_slices, r);
+    return BB_OK;
+}
+
+static void add_unit(const bb_traffic *unit, bb_traffic *sum)
+{
+    for (uint32_t k = 0; k < BB_ISSUE_KINDS; k++) {
+        sum->issued[k].count += unit->issued[k].count;
+        sum->issued[k].lanes += unit->issued[k].lanes;
+        sum->issued[k].sectors += unit->issued[k].sectors;
+        sum->issued[k].lines += unit->issued[k].lines;
+    }
+    sum->groups += unit->groups;
+    sum->first += unit->first;
+    sum->first_hits += unit->first_hits;
+}
+
+static void sum_up(run *r, bb_traffic *sum)
+{
+    const size_t lines = (size_t)r->second.sets * r->second.ways;
+    for (uint32_t i = 0; i < r->machine->units; i++)
+        add_unit(&r->units[i].traffic, sum);
+    for (uint32_t i = 0; i < r->slice_count; i++) {
+        const slice *s = &r->slices[i];
+        sum->second += s->reads;
+        sum->second_hits += s->hits;
+        sum->second_written += s->writes;
+        sum->read += s->read;
+        sum->written += s->written;
+    }
+    for (size_t i = 0; i < lines; i++) {
+        uint64_t line;
+        sum->written += (unsigned)__builtin_popcount(bb_cache_flush(&r->second, i, &line));
     }
 }
 
-static bb_status create(run *r)
+static bb_status create(run *r, const bb_footing *footing, const bb_steps *steps)
 {
     const bb_machine *m = r->machine;
-    r->units = calloc(m->units, sizeof *r->units);
-    if (r->units == NULL)
-        return bb_fail(BB_FAILED, "out of memory");
+    BB_TRY(bb_pool_create(0, &r->pool));
     BB_TRY(bb_cache_create(m->second_bytes, m->second_ways, &r->second));
-    for (uint32_t i = 0; i < m->units; i++) {
-        unit *u = &r->units[i];
-        BB_TRY(bb_cache_create(m->first_bytes, m->first_ways, &u->cache));
-        BB_TRY(bb_host_alloc(NULL, m->in_flight * sizeof *u->slots, "groups in flight", &u->slots));
-        BB_TRY(bb_host_alloc(NULL, m->in_flight * sizeof *u->busy, "groups in flight", &u->busy));
-        memset(u->busy, 0, m->in_flight * sizeof *u->busy);
+    r->slice_count = bb_pool_threads(r->pool);
+    r->units = calloc(m->units, sizeof *r->units);
+    r->slices = calloc(r->slice_count, sizeof *r->slices);
+    if (r->units == NULL || r->slices == NULL)
+        return bb_fail(BB_REFUSED, "no memory for a simulated machine");
+    for (uint32_t i = 0; i < r->slice_count; i++) {
+        r->slices[i].first = (uint32_t)((uint64_t)r->second.sets * i / r->slice_count);
+        r->slices[i].end = (uint32_t)((uint64_t)r->second.sets * (i + 1) / r->slice_count);
     }
+    for (uint32_t i = 0; i < m->units; i++)
+        BB_TRY(bb_unit_create(m, footing, steps, i, &r->units[i]));
+    warm_up(&r->second, footing);
     return BB_OK;
 }
 
 static void release(run *r)
 {
-    for (uint32_t i = 0; r->units != NULL && i < r->machine->units; i++) {
-        bb_cache_release(&r->units[i].cache);
-        bb_host_free(r->units[i].slots);
-        bb_host_free(r->units[i].busy);
-    }
+    for (uint32_t i = 0; r->units != NULL && i < r->machine->units; i++)
+        bb_unit_release(&r->units[i]);
     bb_cache_release(&r->second);
     free(r->units);
+    free(r->slices);
+    bb_pool_destroy(r->pool);
 }
 
 bb_status bb_machine_run(const bb_machine *machine, const bb_footing *footing,
                          const bb_steps *steps, bb_traffic *traffic)
 {
-    run r = {.machine = machine, .footing = footing, .steps = steps, .traffic = traffic};
-    r.groups = bb_divide_up(steps->rays, machine->width);
-    *traffic = (bb_traffic){.rays = steps->rays, .groups = r.groups};
-    bb_status status = create(&r);
-    if (status == BB_OK) {
-        run_rounds(&r);
-        for (uint32_t i = 0; i < machine->units; i++)
-            flush(&r, &r.units[i].cache, true);
-        flush(&r, &r.second, false);
-    }
+    run r = {.machine = machine};
+    *traffic = (bb_traffic){.rays = steps->rays};
+    bb_status status = create(&r, footing, steps);
+    if (status == BB_OK)
+        status = run_windows(&r);
+    if (status == BB_OK)
+        sum_up(&r, traffic);
     release(&r);
     return status;
 }

@@ -13,7 +13,7 @@
 
 #define BB_SIMT "simt"
 
-enum { BB_SIMT_GROUPS = 1 << 10 }; /* groups of rays of a sample, at least */
+enum { BB_SIMT_GROUPS = 1 << 11 }; /* groups of rays of a sample, at least */
 
 /* What `--metrics simt:device=h100,width=32` asks for. */
 typedef struct bb_simt {

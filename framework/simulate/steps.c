@@ -4,7 +4,13 @@
 #include "framework/base/random.h"
 #include "traversal/pass.h"
 
+#include <stdlib.h>
 #include <string.h>
+
+enum {
+    PIECE = 1 << 18, /* rays at a time, whole runs, while steps are counted */
+    NEIGHBOURS = 32  /* rays that wait for each other, about */
+};
 
 /* What a launch needs, on the device. */
 typedef struct launch {
@@ -24,39 +30,17 @@ static void release(launch *l)
     bb_buffer_release(&l->recording.counts);
 }
 
-/* Copies the sample to the device: all rays, or some of the runs that the set consists of, one at
- * random in each part of the set: evenly spaced ones would meet the same columns of a picture again
- * and again. */
-static bb_status load_sample(launch *l, const bb_ray *rays, uint32_t count, uint32_t taken)
-{
-    if (taken == count)
-        return bb_buffer_write(&l->rays, 0, taken * sizeof *rays, rays);
-    const uint32_t runs = taken / BB_STEPS_RUN;
-    bb_random random = bb_random_make(1, count);
-    const uint32_t whole = count / BB_STEPS_RUN; /* runs that the set has */
-    for (uint32_t i = 0; i < runs; i++) {
-        const uint32_t part = (uint32_t)((uint64_t)i * whole / runs);
-        const uint32_t end = (uint32_t)((uint64_t)(i + 1) * whole / runs);
-        const uint64_t first =
-            (uint64_t)(part + bb_random_below(&random, end - part)) * BB_STEPS_RUN;
-        BB_TRY(bb_buffer_write(&l->rays, i * BB_STEPS_RUN * sizeof *rays,
-                               BB_STEPS_RUN * sizeof *rays, rays + first));
-    }
-    return BB_OK;
-}
-
 static bb_status prepare(launch *l, const bb_traverser_request *request,
-                         const bb_layout_data *layout, const bb_ray *rays, uint32_t count,
-                         uint32_t taken)
+                         const bb_layout_data *layout, uint32_t most)
 {
     bb_traverser *traverser;
     BB_TRY(bb_traverser_get(l->device, request, layout, &traverser));
-    BB_TRY(bb_buffer_reserve(l->device, NULL, taken * sizeof *rays, "sample of rays", &l->rays));
-    BB_TRY(bb_buffer_reserve(l->device, NULL, taken * BB_RESULT_BYTES_MAX, "answers to a sample",
+    BB_TRY(bb_buffer_reserve(l->device, NULL, most * sizeof(bb_ray), "sample of rays", &l->rays));
+    BB_TRY(bb_buffer_reserve(l->device, NULL, most * BB_RESULT_BYTES_MAX, "answers to a sample",
                              &l->results));
     BB_TRY(
-        bb_buffer_reserve(l->device, NULL, taken * sizeof(bb_count), "counts of tests", &l->tests));
-    const size_t bytes = taken * sizeof(uint32_t);
+        bb_buffer_reserve(l->device, NULL, most * sizeof(bb_count), "counts of tests", &l->tests));
+    const size_t bytes = most * sizeof(uint32_t);
     BB_TRY(bb_buffer_reserve(l->device, NULL, bytes, "ends of steps", &l->recording.ends));
     BB_TRY(bb_buffer_reserve(l->device, NULL, bytes, "counts of steps", &l->recording.counts));
     BB_TRY(bb_buffer_reserve(l->device, NULL, sizeof(uint32_t), "steps", &l->recording.steps));
@@ -67,8 +51,109 @@ static bb_status prepare(launch *l, const bb_traverser_request *request,
                         .results = &l->results,
                         .counts = &l->tests,
                         .recording = &l->recording};
-    return load_sample(l, rays, count, taken);
+    return BB_OK;
 }
+
+/* ---- a sample ---- */
+
+/* A run of rays that follow each other, and the steps of the longest of each NEIGHBOURS of them. */
+typedef struct ray_run {
+    uint32_t number;
+    uint64_t steps;
+} ray_run;
+
+static int by_steps(const void *a, const void *b)
+{
+    const ray_run *x = a, *y = b;
+    return x->steps != y->steps ? (x->steps > y->steps) - (x->steps < y->steps)
+                                : (x->number > y->number) - (x->number < y->number);
+}
+
+static int by_number(const void *a, const void *b)
+{
+    const ray_run *x = a, *y = b;
+    return (x->number > y->number) - (x->number < y->number);
+}
+
+/* Counts the steps of rays that are on the device: a launch without room for them. */
+static bb_status count_steps(launch *l, uint32_t rays, uint32_t *counts)
+{
+    const size_t bytes = rays * sizeof(uint32_t);
+    BB_TRY(bb_buffer_fill(&l->recording.ends, bytes, 0));
+    BB_TRY(bb_pass_launch(&l->pass, rays));
+    return bb_buffer_read(&l->recording.counts, 0, bytes, counts);
+}
+
+static uint32_t most_of(const uint32_t *values, uint32_t count)
+{
+    uint32_t most = 0;
+    for (uint32_t i = 0; i < count; i++)
+        most = bb_max_u32(most, values[i]);
+    return most;
+}
+
+/* Counts the steps of each run, piece by piece. */
+static bb_status count_runs(launch *l, const bb_ray *rays, uint32_t count, uint32_t *counts,
+                            ray_run *runs)
+{
+    for (uint32_t first = 0; first < count; first += PIECE) {
+        const uint32_t piece = bb_min_u32(count - first, PIECE);
+        BB_TRY(bb_buffer_write(&l->rays, 0, piece * sizeof *rays, rays + first));
+        BB_TRY(count_steps(l, piece, counts));
+        for (uint32_t i = 0; i < piece; i += NEIGHBOURS) {
+            ray_run *run = &runs[(first + i) / BB_STEPS_RUN];
+            run->number = (first + i) / BB_STEPS_RUN;
+            run->steps += most_of(counts + i, bb_min_u32(NEIGHBOURS, piece - i));
+        }
+    }
+    return BB_OK;
+}
+
+/* Chooses runs for the sample: sorted by their steps, all are divided into as many parts of equal
+ * size, of which each gives one at random, so that the sample has as many short and long ones as
+ * the set. Puts these to the front. */
+static void choose(ray_run *runs, uint32_t count, uint32_t taken)
+{
+    bb_random random = bb_random_make(1, count);
+    qsort(runs, count, sizeof *runs, by_steps);
+    for (uint32_t i = 0; i < taken; i++) {
+        const uint32_t part = (uint32_t)((uint64_t)i * count / taken);
+        const uint32_t end = (uint32_t)((uint64_t)(i + 1) * count / taken);
+        runs[i] = runs[part + bb_random_below(&random, end - part)];
+    }
+    qsort(runs, taken, sizeof *runs, by_number);
+}
+
+/* Copies the sample to the device: all rays, or some of the whole runs that the set consists of. */
+static bb_status load_sample(launch *l, const bb_ray *rays, uint32_t count, uint32_t taken)
+{
+    if (taken == count)
+        return bb_buffer_write(&l->rays, 0, taken * sizeof *rays, rays);
+    const uint32_t wanted = taken / BB_STEPS_RUN;
+    uint32_t *counts = NULL;
+    ray_run *runs = calloc((size_t)count / BB_STEPS_RUN + 1, sizeof *runs);
+    bb_ray *sample = NULL;
+    bb_status status = runs != NULL ? BB_OK : bb_fail(BB_REFUSED, "no memory for runs of rays");
+    if (status == BB_OK)
+        status = bb_host_alloc(NULL, PIECE * sizeof *counts, "counts of steps", &counts);
+    if (status == BB_OK)
+        status = bb_host_alloc(NULL, taken * sizeof *sample, "sample of rays", &sample);
+    if (status == BB_OK)
+        status = count_runs(l, rays, count, counts, runs);
+    if (status == BB_OK) {
+        choose(runs, count / BB_STEPS_RUN, wanted);
+        for (uint32_t i = 0; i < wanted; i++)
+            memcpy(sample + (size_t)i * BB_STEPS_RUN, rays + (size_t)runs[i].number * BB_STEPS_RUN,
+                   BB_STEPS_RUN * sizeof *rays);
+        status = bb_buffer_write(&l->rays, 0, taken * sizeof *sample, sample);
+    }
+    bb_host_free(counts);
+    bb_host_free(sample);
+    free(runs);
+    return status;
+}
+
+/* ---- recording ---- */
 
 /* Turns counts into ends. */
 static bb_status sum_up(uint32_t *counts, uint32_t rays, uint32_t *sum)
@@ -86,15 +171,13 @@ static bb_status sum_up(uint32_t *counts, uint32_t rays, uint32_t *sum)
     return BB_OK;
 }
 
-/* The first launch has no room for steps, and counts them; the second writes them. */
+/* A first launch counts the steps of the rays on the device; the second writes them. */
 static bb_status record(launch *l, bb_steps *steps)
 {
     const size_t bytes = steps->rays * sizeof(uint32_t);
     uint32_t words = 0;
-    BB_TRY(bb_buffer_fill(&l->recording.ends, bytes, 0));
-    BB_TRY(bb_pass_launch(&l->pass, steps->rays));
     BB_TRY(bb_host_alloc(NULL, bytes, "ends of steps", &steps->ends));
-    BB_TRY(bb_buffer_read(&l->recording.counts, 0, bytes, steps->ends));
+    BB_TRY(count_steps(l, steps->rays, steps->ends));
     BB_TRY(sum_up(steps->ends, steps->rays, &words));
     if (words > 0)
         BB_TRY(bb_buffer_reserve(l->device, NULL, words * sizeof(uint32_t), "steps",
@@ -113,7 +196,10 @@ bb_status bb_steps_record(bb_device *device, const bb_traverser_request *request
     recording.recording = true;
     launch l = {.device = device};
     *steps = (bb_steps){.rays = bb_min_u32(count, most)};
-    bb_status status = prepare(&l, &recording, layout, rays, count, steps->rays);
+    bb_status status =
+        prepare(&l, &recording, layout, bb_max_u32(steps->rays, bb_min_u32(count, PIECE)));
+    if (status == BB_OK)
+        status = load_sample(&l, rays, count, steps->rays);
     if (status == BB_OK)
         status = record(&l, steps);
     release(&l);

@@ -17,15 +17,15 @@ typedef struct bb_steps {
 
 enum {
     /* Rays of a sample that follow each other, so that groups have their neighbours. */
-    BB_STEPS_RUN = 1 << 7,
+    BB_STEPS_RUN = 1 << 6,
     /* Words that are recorded at most: 1 GiB. */
     BB_STEPS_MOST = 1 << 28,
 };
 
-/* Traces rays[0..count), or a sample of `most` of them, in runs from all of its parts, by the
- * recording variant of what is requested; `most` is a multiple of BB_STEPS_RUN. BB_UNSUPPORTED if
- * the kernel has none. BB_REFUSED if there are more than BB_STEPS_MOST steps, or no room for them.
- * */
+/* Traces rays[0..count), or a sample of `most` of them, by the recording variant of what is
+ * requested; `most` is a multiple of BB_STEPS_RUN. A sample has runs of rays that follow each
+ * other, as many short and long ones as all rays have. BB_UNSUPPORTED if the kernel has no such
+ * variant. BB_REFUSED if there are more than BB_STEPS_MOST steps, or no room for them. */
 bb_status bb_steps_record(bb_device *device, const bb_traverser_request *request,
                           const bb_layout_data *layout, const bb_ray *rays, uint32_t count,
                           uint32_t most, bb_steps *steps);
