@@ -426,14 +426,18 @@ static bb_simulation simulate(const bb_simt *simt)
 static void bounds_are_those_of_the_device(void **state)
 {
     (void)state;
-    bb_simt simt;
+    char *const metrics[] = {"sah", "simt:device=h100"};
+    bb_simt simts[BB_SIMT_MAX];
+    uint32_t count;
     no_rays();
     for (uint32_t i = 0; i < 200; i++) {
         char steps[64];
         snprintf(steps, sizeof steps, "N%u+N%uP%u-P%u", 3 * i, 5 * i, i, 7 * i);
         add_ray(steps);
     }
-    ASSERT_OK(bb_simt_parse("simt:device=h100", &simt));
+    ASSERT_OK(bb_simts_parse(metrics, 2, simts, &count));
+    assert_int_equal(count, 1);
+    const bb_simt simt = simts[0];
     assert_string_equal(simt.name, "simt:device=h100,width=32");
     const bb_simulation s = simulate(&simt);
     const bb_traffic *t = &s.traffic;

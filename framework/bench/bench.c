@@ -184,9 +184,8 @@ static bb_status start_kernel(bb_bench *bench, const char *text, bool native_onl
 static bb_status start_kernels(bb_bench *bench)
 {
     const bb_bench_request *request = bench->request;
-    for (uint32_t i = 0; i < request->metric_count; i++)
-        if (bb_is_simt(request->metrics[i]))
-            BB_TRY(bb_simt_parse(request->metrics[i], &bench->simts[bench->simt_count++]));
+    BB_TRY(
+        bb_simts_parse(request->metrics, request->metric_count, bench->simts, &bench->simt_count));
     for (uint32_t i = 0; i < request->kernel_count; i++)
         BB_TRY(start_kernel(bench, request->kernels[i], false));
     for (const bb_kernel *const *k = bb_kernels; request->native && *k != NULL; k++)

@@ -20,21 +20,11 @@ bb_status bb_bench_parse_kernel(const char *text, bb_kernel_choice *choice)
 static bb_status check_metrics(const bb_bench_request *request)
 {
     bb_simt simts[BB_SIMT_MAX];
-    uint32_t count = 0;
-    for (uint32_t i = 0; i < request->metric_count; i++) {
-        if (!bb_is_simt(request->metrics[i])) {
+    uint32_t count;
+    for (uint32_t i = 0; i < request->metric_count; i++)
+        if (!bb_is_simt(request->metrics[i]))
             BB_TRY(bb_metric_check(request->metrics[i]));
-            continue;
-        }
-        if (count == BB_SIMT_MAX)
-            return bb_fail(BB_INVALID, "at most %d simulations at once", BB_SIMT_MAX);
-        BB_TRY(bb_simt_parse(request->metrics[i], &simts[count]));
-        for (uint32_t k = 0; k < count; k++)
-            if (strcmp(simts[k].name, simts[count].name) == 0)
-                return bb_fail(BB_INVALID, "--metrics: %s is given twice", simts[k].name);
-        count++;
-    }
-    return BB_OK;
+    return bb_simts_parse(request->metrics, request->metric_count, simts, &count);
 }
 
 bb_status bb_bench_check(const bb_bench_request *request)

@@ -7,6 +7,7 @@
 #include "framework/cli/names.h"
 #include "framework/device/device.h"
 #include "framework/scene/scene.h"
+#include "framework/simulate/simulate.h"
 
 #define BB_FORM_HELP "which variant of device code to use if there are two"
 
@@ -40,6 +41,15 @@ void bb_identity_add_choice(bb_identity *identity, const bb_cli *cli,
 
 /* Finds the scene's view of that name; NULL: its first view. */
 bb_status bb_choose_view(const bb_scene *scene, const char *name, const bb_view **view);
+
+/* --metrics of commands that have only simulations; `what` is simulated. */
+#define BB_SIMULATIONS_OPTION(type, member, what)                                                  \
+    {                                                                                              \
+        "metrics", "M",                                                                            \
+            BB_SIMT ", such as " BB_SIMT ":device=h100,width=32: " what                            \
+                    ", simulated on a GPU on paper",                                               \
+            BB_INTO(type, member)                                                                  \
+    }
 
 /* The value of --charts. */
 enum { BB_CHARTS_AUTO, BB_CHARTS_YES, BB_CHARTS_NO };

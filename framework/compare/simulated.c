@@ -81,9 +81,10 @@ static void fill(const bb_results *results, const bb_summary_choice *choice, con
             if (!is_fastest(results, choice, &s->rows[i], trace, of->name))
                 continue;
             of->mrays_s[i] += log(bound_of(trace, of->name));
-            const char *word = bb_get_named_text(trace, BB_F_SIMT_BINDS, of->name);
-            for (int b = 0; b < BB_BINDINGS; b++)
-                counts[i][b] += strcmp(word, bb_binding_word((bb_binding)b)) == 0;
+            const bb_binding by =
+                bb_binding_of(bb_get_named_text(trace, BB_F_SIMT_BINDS, of->name));
+            if (by < BB_BINDINGS)
+                counts[i][by]++;
         }
     }
     for (uint32_t i = 0; i < s->builder_count; i++) {

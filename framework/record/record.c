@@ -171,6 +171,15 @@ uint32_t bb_results_simulations(const bb_results *results, const char *names[BB_
     return count;
 }
 
+bool bb_get_simulation(const bb_entry *trace, const char *name, bb_simulation *s)
+{
+    *s = (bb_simulation){.binds = bb_binding_of(bb_get_named_text(trace, BB_F_SIMT_BINDS, name))};
+#define SIMT(id, member, name_in_file, unit, better, heading, help)                                \
+    s->member = bb_get_named(trace, BB_F_SIMT_##id, name);
+#include "framework/simulate/simt_figures.h"
+    return isfinite(s->mrays_s);
+}
+
 /* ---- runs ---- */
 
 uint32_t bb_results_begin_run(bb_results *results)

@@ -21,7 +21,6 @@
 
 enum {
     BB_LAYOUTS_MAX = 48,     /* most layouts of one tree */
-    BB_SIMT_MAX = 4,         /* most simulations of one trace */
     BB_RECORD_STEPS_MAX = 5, /* most steps of a pipeline: its stages and what comes between them */
     BB_RECORD_PHASES_MAX = 64,
 };
@@ -158,6 +157,9 @@ typedef struct bb_results bb_results;
 /* Writes the names of the simulations that traces have, each once, and returns their number. The
  * results own them. */
 uint32_t bb_results_simulations(const bb_results *results, const char *names[BB_SIMT_MAX]);
+
+/* Reads a trace's simulation of this name; returns whether it has one. */
+bool bb_get_simulation(const bb_entry *trace, const char *name, bb_simulation *simulation);
 
 /* Whether figures of two devices, by name and type, may stand side by side: of one device, or of
  * processors. */

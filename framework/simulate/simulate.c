@@ -25,7 +25,7 @@ bool bb_is_simt(const char *text)
     return strncmp(text, BB_SIMT, length) == 0 && (text[length] == '\0' || text[length] == ':');
 }
 
-bb_status bb_simt_parse(const char *text, bb_simt *simt)
+static bb_status parse(const char *text, bb_simt *simt)
 {
     bb_spec spec;
     BB_TRY(bb_spec_parse(text, &spec));
@@ -43,10 +43,44 @@ bb_status bb_simt_parse(const char *text, bb_simt *simt)
     return BB_OK;
 }
 
+bb_status bb_simts_parse(char *const *metrics, uint32_t metric_count, bb_simt simts[BB_SIMT_MAX],
+                         uint32_t *count)
+{
+    *count = 0;
+    for (uint32_t i = 0; i < metric_count; i++) {
+        if (!bb_is_simt(metrics[i]))
+            continue;
+        if (*count == BB_SIMT_MAX)
+            return bb_fail(BB_INVALID, "at most %d simulations at once", BB_SIMT_MAX);
+        BB_TRY(parse(metrics[i], &simts[*count]));
+        for (uint32_t k = 0; k < *count; k++)
+            if (strcmp(simts[k].name, simts[*count].name) == 0)
+                return bb_fail(BB_INVALID, "--metrics: %s is given twice", simts[k].name);
+        ++*count;
+    }
+    return BB_OK;
+}
+
+uint32_t bb_simts_rays(const bb_simt *simts, uint32_t count)
+{
+    uint32_t widest = 0;
+    for (uint32_t i = 0; i < count; i++)
+        widest = bb_max_u32(widest, simts[i].width);
+    return widest * BB_SIMT_GROUPS;
+}
+
 const char *bb_binding_word(bb_binding binding)
 {
     static const char *const words[] = {"issue", "L1", "L2", "memory"};
     return words[binding];
+}
+
+bb_binding bb_binding_of(const char *word)
+{
+    uint32_t binding = 0;
+    while (binding < BB_BINDINGS && strcmp(word, bb_binding_word((bb_binding)binding)) != 0)
+        binding++;
+    return (bb_binding)binding;
 }
 
 static bb_machine machine_for(const bb_description *d, uint32_t width, uint32_t in_flight,

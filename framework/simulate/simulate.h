@@ -13,7 +13,10 @@
 
 #define BB_SIMT "simt"
 
-enum { BB_SIMT_GROUPS = 1 << 11 }; /* groups of rays of a sample, at least */
+enum {
+    BB_SIMT_GROUPS = 1 << 11, /* groups of rays of a sample, at least */
+    BB_SIMT_MAX = 4,          /* simulations at once */
+};
 
 /* What `--metrics simt:device=h100,width=32` asks for. */
 typedef struct bb_simt {
@@ -25,8 +28,12 @@ typedef struct bb_simt {
 extern const bb_option bb_simt_options[];
 /* Returns whether `text` asks for a simulation, well or not. */
 bool bb_is_simt(const char *text);
-/* BB_INVALID for an unknown option, value or device. */
-bb_status bb_simt_parse(const char *text, bb_simt *simt);
+/* Takes those metrics that ask for simulations. BB_INVALID for an unknown option, value or device,
+ * for more than BB_SIMT_MAX, or two that are the same. */
+bb_status bb_simts_parse(char *const *metrics, uint32_t metric_count, bb_simt simts[BB_SIMT_MAX],
+                         uint32_t *count);
+/* Rays to record, so that a sample has enough groups for each. */
+uint32_t bb_simts_rays(const bb_simt *simts, uint32_t count);
 
 /* What bounds the speed. */
 typedef enum bb_binding {
@@ -47,6 +54,8 @@ typedef struct bb_simulation {
 
 /* The word for it: "issue", "L1", "L2", "memory". */
 const char *bb_binding_word(bb_binding binding);
+/* Returns what the word says; BB_BINDINGS for any other. */
+bb_binding bb_binding_of(const char *word);
 
 /* Simulates recorded steps of the request's kernel in this layout. BB_UNSUPPORTED if nothing is
  * known of the kernel's code. */
