@@ -44,6 +44,7 @@ typedef struct bb_takings {
 } bb_takings;
 
 #define BB_EXACTNESS "exactness"
+#define BB_BY_SIMULATION "race, simulated"
 
 /* The choice with one setting replaced by a generous value. */
 typedef struct bb_saving {
@@ -56,6 +57,15 @@ typedef struct bb_saving {
     bool measured;
     char reason[256]; /* why not */
 } bb_saving;
+
+/* The least by a simulation, from a course of its own, in which nothing is measured. */
+typedef struct bb_simulated_advice {
+    char name[80];       /* of the simulation: "simt:device=h100,width=32" */
+    bb_entered kernels;  /* scouts: all kernels with one builder */
+    bb_entered builders; /* likewise: all builders with one kernel */
+    bb_entered field;    /* the pairs that they left; its count is 0 if it was interrupted */
+    uint32_t best, choice, within; /* as in bb_advice */
+} bb_simulated_advice;
 
 typedef struct bb_advice {
     const bb_advise_request *request;
@@ -74,7 +84,9 @@ typedef struct bb_advice {
     uint32_t heats;
     bb_saving savings[BB_SAVINGS_MAX];
     uint32_t saving_count;
-    bb_entered all; /* the exhaustive search; its count is 0 without one */
+    bb_simulated_advice simulated[BB_SIMT_MAX];
+    uint32_t simulated_count; /* those that were not interrupted */
+    bb_entered all;           /* the exhaustive search; its count is 0 without one */
     uint32_t all_best, all_least, all_choice;
 } bb_advice;
 

@@ -16,6 +16,21 @@
             {{"reason"}, NULL, false}                                                              \
         }                                                                                          \
     }
+#define SIMULATED(name, by, title)                                                                 \
+    {                                                                                              \
+        .caption = title ", neither measured nor validated", .question = name,                     \
+        .with = BB_SET(BB_MAKER), .rows = OF_CONTENDERS, .each = BB_SET(BB_MAKER), .order = by,    \
+        .columns = {                                                                               \
+            {{"state"}, NULL, false},                                                              \
+            {{"simt_ratio"}, NULL, false},                                                         \
+            {{"bytes"}, NULL, false},                                                              \
+            {{"simt_image_ms"}, NULL, false},                                                      \
+            {{"simt_mrays_s"}, "bound, M/s", false},                                               \
+            {{"simt_binds"}, "by", false},                                                         \
+            {{"simt_efficiency"}, "SIMT efficiency", false},                                       \
+            {{"reason"}, NULL, false}                                                              \
+        }                                                                                          \
+    }
 #define DECISIONS                                                                                  \
     .having = "value", .rows = BB_SET(BB_QUESTION),                                                \
     .columns = {{{"value"}, NULL, false}, {{"by"}, NULL, false}, {{"figure"}, NULL, false}}
@@ -74,7 +89,18 @@ static const bb_table_view views[] = {
                  {{"host_bytes"}, NULL, false},
                  {{"device_bytes"}, NULL, false},
                  {{"held_bytes"}, NULL, false}}},
-    {.caption = "", .question = "again", .columns = {{{"again"}, NULL, false}}},
+    {.caption = "",
+     .question = "again",
+     .without = BB_SET(BB_MAKER),
+     .columns = {{{"again"}, NULL, false}}},
+    SIMULATED(BB_BY_SIMULATION, "simt_ratio", "The least by simulation"),
+    SIMULATED("kernels, simulated", "simt_image_ms", "Scouts: kernels on a tree, simulated"),
+    SIMULATED("builders, simulated", "simt_image_ms", "Scouts: builders by one kernel, simulated"),
+    {.caption = "Simulated again by",
+     .question = "again",
+     .with = BB_SET(BB_MAKER),
+     .each = BB_SET(BB_MAKER),
+     .columns = {{{"again"}, "", false}}},
 };
 
 /* ---- sentences ---- */
@@ -142,6 +168,19 @@ static void say_list(const bb_table *table, const char *scene, const char *quest
         bb_page_say(page, "%s: %u configurations:%s.", question, all, text);
 }
 
+/* Says the least by each simulation. */
+static void say_simulated(const bb_table *table, const char *scene, bb_page *page)
+{
+    for (uint32_t row = 0; row < bb_table_row_count(table); row++)
+        if (is(table, row, scene, BB_BY_SIMULATION) && has_fate(table, row, BB_CHOSEN))
+            bb_page_say(page,
+                        "Simulated: neither measured nor validated, %s: the least is %s, %s, "
+                        "bound by %s.",
+                        bb_table_name(table, row, BB_MAKER), bb_table_name(table, row, BB_BUILDER),
+                        bb_table_name(table, row, BB_INTERSECTOR),
+                        bb_table_get_text(table, row, "simt_binds"));
+}
+
 static void say(const bb_table *table, const char *scene, bb_page *page)
 {
     uint32_t choice = BB_NO_ROW;
@@ -150,8 +189,9 @@ static void say(const bb_table *table, const char *scene, bb_page *page)
             choice = row;
     say_choice(table, scene, choice, page);
     for (size_t i = 0; i < sizeof views / sizeof views[0]; i++)
-        if (views[i].order != NULL)
+        if (views[i].order != NULL && views[i].each == 0)
             say_list(table, scene, views[i].question, page);
+    say_simulated(table, scene, page);
 }
 
 #define OUTLINE                                                                                    \

@@ -1,6 +1,7 @@
 /* Puts an advice into a table. */
 #include "framework/advise/advice.h"
 #include "framework/base/shell_word.h"
+#include "framework/simulate/simulated_table.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -55,6 +56,11 @@ BB_TEXT(against, "against", "against", "The contender that the ratio is to.");
 BB_ROUNDS(ratio, "ratio", "ratio", "",
           "Of its time to that of the fastest, or of who dropped it, paired round by round.",
           NEITHER, 3);
+BB_EXACT(simulated_ratio, "simt_ratio", "ratio", "",
+         "Simulated: of its time to that of the fastest, or of who dropped it.", LESS, 3);
+BB_EXACT(simulated_ms, "simt_image_ms", "rays", "ms",
+         "Simulated: the rays of an image, each set at its bound; builds are not simulated.", LESS,
+         -1);
 BB_ROUNDS(image_ms, "image_ms", "image", "ms", "Build, layout and rays, in its last heat.", LESS,
           1);
 BB_TIMED(build_ms, "build_ms", "build", "ms", "Median, with boxes and transfer.", LESS, 1);
@@ -87,10 +93,10 @@ const char *const bb_fates[BB_FATES] = {
     "raced to the end", "too slow",         "too wrong", "not measured",
     "chosen",           "more than needed", "slower"};
 
-/* The table, and the scene of its rows. */
+/* The table, and what its rows are of. */
 typedef struct rows {
     bb_table *table;
-    const char *scene;
+    const char *scene, *simulation; /* NULL: they are measured */
 } rows;
 
 /* Joins kernel and intersector, which are one name of a cell. */
@@ -102,7 +108,8 @@ static void name_pair(const char *kernel, const char *intersector, char *name, s
 static uint32_t row_of(const rows *to, const char *question, const bb_contender *who)
 {
     char pair[1200];
-    bb_cell cell = {{[BB_SCENE] = to->scene, [BB_QUESTION] = question}};
+    bb_cell cell = {
+        {[BB_SCENE] = to->scene, [BB_QUESTION] = question, [BB_MAKER] = to->simulation}};
     if (who != NULL) {
         name_pair(who->kernel, who->intersector, pair, sizeof pair);
         cell.names[BB_BUILDER] = who->builder;
@@ -113,12 +120,23 @@ static uint32_t row_of(const rows *to, const char *question, const bb_contender 
 
 /* ---- contenders ---- */
 
-static void put_figures(bb_table *table, uint32_t row, const bb_tried_figures *f)
+static void put_times(bb_table *table, uint32_t row, const bb_tried_figures *f)
 {
     bb_table_set_rounds(table, row, &image_ms, &f->cost);
     bb_table_set_number(table, row, &build_ms, f->build_ms);
     bb_table_set_number(table, row, &layout_ms, f->layout_ms);
     bb_table_set_number(table, row, &trace_ms, f->trace_ms);
+}
+
+static void put_bounds(bb_table *table, uint32_t row, const bb_tried_figures *f)
+{
+    const bb_simulation all = bb_simulated_sum(&f->simulated);
+    bb_table_set_number(table, row, &simulated_ms, bb_samples_median(&f->cost));
+    bb_simulated_put(table, row, &all);
+}
+
+static void put_figures(bb_table *table, uint32_t row, const bb_tried_figures *f)
+{
     bb_table_set_number(table, row, &wrong, f->wrong);
     bb_table_set_number(table, row, &checked, f->checked);
     bb_table_set_number(table, row, &wrong_ppm, bb_wrong_rate_of(f->wrong, f->checked).high);
@@ -149,9 +167,10 @@ static void put_pick(bb_table *table, uint32_t row, const picked *p, uint32_t i)
 }
 
 /* Puts the contender's state, and why it is not the choice. */
-static void put_fate(bb_table *table, uint32_t row, const bb_entered *field, uint32_t i,
+static void put_fate(const rows *to, uint32_t row, const bb_entered *field, uint32_t i,
                      const picked *p)
 {
+    bb_table *table = to->table;
     const bb_racer *racer = &field->racers[i];
     const bool raced = racer->state == BB_RACING && p->best != BB_NONE_CHOSEN;
     const uint32_t whom = raced ? p->best : racer->behind;
@@ -172,7 +191,10 @@ static void put_fate(bb_table *table, uint32_t row, const bb_entered *field, uin
                           fate == BB_WAS_WRONG ? "wrong too often" : field->figures[i].reason);
     if (racer->heats > 0)
         bb_table_set_number(table, row, &heats, racer->heats);
-    bb_table_set_rounds(table, row, &ratio, &ratios);
+    if (to->simulation != NULL)
+        bb_table_set_number(table, row, &simulated_ratio, bb_samples_median(&ratios));
+    else
+        bb_table_set_rounds(table, row, &ratio, &ratios);
     if (whom < field->count) {
         char text[1800];
         const bb_contender *other = &field->who[whom];
@@ -187,10 +209,12 @@ static void put_field(const rows *to, const char *question, const bb_entered *fi
     for (uint32_t i = 0; i < field->count; i++) {
         const bb_tried_figures *f = &field->figures[i];
         const uint32_t row = row_of(to, question, &field->who[i]);
-        put_fate(to->table, row, field, i, &p);
+        put_fate(to, row, field, i, &p);
         put_pick(to->table, row, &p, i);
-        if (f->measured)
-            put_figures(to->table, row, f);
+        if (!f->measured)
+            continue;
+        put_figures(to->table, row, f);
+        (to->simulation != NULL ? put_bounds : put_times)(to->table, row, f);
     }
 }
 
@@ -211,7 +235,8 @@ static void put_decisions(const rows *to, const bb_contender *who, const bb_entr
 
 /* ---- the choice ---- */
 
-static void print_command(const bb_advise_request *r, const bb_contender *who, FILE *out)
+static void print_command(const bb_advise_request *r, const bb_contender *who, const char *metric,
+                          FILE *out)
 {
     const char *const words[][2] = {{"--scene", r->scene},
                                     {"--builder", who->builder},
@@ -227,6 +252,26 @@ static void print_command(const bb_advise_request *r, const bb_contender *who, F
         bb_put_shell_word(out, r->rays[i]);
     }
     fputs(r->further, out);
+    if (metric != NULL) {
+        fputs(" --metrics ", out);
+        bb_put_shell_word(out, metric);
+    }
+}
+
+/* Puts the command that measures a choice again, or simulates it as `metric` says. */
+static bb_status put_command(const rows *to, const bb_advise_request *r, const bb_contender *who,
+                             const char *metric)
+{
+    char *text = NULL;
+    size_t size;
+    FILE *out = open_memstream(&text, &size);
+    if (out != NULL)
+        print_command(r, who, metric, out);
+    const bool printed = out != NULL && fclose(out) == 0;
+    if (printed)
+        bb_table_set_text(to->table, row_of(to, "again", NULL), &again, text);
+    free(text);
+    return printed ? BB_OK : bb_fail(BB_REFUSED, "advise: no memory");
 }
 
 static bb_status put_choice(const rows *to, const bb_advice *a)
@@ -234,20 +279,25 @@ static bb_status put_choice(const rows *to, const bb_advice *a)
     const bb_contender *who = &a->field.who[a->choice];
     const bb_tried_figures *f = &a->field.figures[a->choice];
     const double at_most = bb_wrong_rate_of(f->wrong, f->checked).high;
-    char *text = NULL;
-    size_t size;
-    FILE *out = open_memstream(&text, &size);
     bb_table_set_text(to->table, row_of(to, "race", who), &limit_shown,
                       at_most <= a->request->max_wrong_ppm ? "yes" : "no");
     put_decisions(to, who, f->build, BB_F_BUILD_DECISIONS);
     put_decisions(to, who, f->trace, BB_F_TRACE_DECISIONS);
-    if (out != NULL)
-        print_command(a->request, who, out);
-    const bool printed = out != NULL && fclose(out) == 0;
-    if (printed)
-        bb_table_set_text(to->table, row_of(to, "again", NULL), &again, text);
-    free(text);
-    return printed ? BB_OK : bb_fail(BB_REFUSED, "advise: no memory");
+    return put_command(to, a->request, who, NULL);
+}
+
+/* Puts what a simulation found, in rows of its own. */
+static bb_status put_simulated(const bb_advice *a, uint32_t i, bb_table *table)
+{
+    const bb_simulated_advice *s = &a->simulated[i];
+    const rows to = {table, a->request->scene, s->name};
+    const picked nobody = {BB_NONE_CHOSEN, BB_NONE_CHOSEN, BB_NONE_CHOSEN};
+    put_field(&to, BB_BY_SIMULATION, &s->field, (picked){s->choice, s->best, BB_NONE_CHOSEN});
+    put_field(&to, "kernels, simulated", &s->kernels, nobody);
+    put_field(&to, "builders, simulated", &s->builders, nobody);
+    return s->choice == BB_NONE_CHOSEN
+               ? BB_OK
+               : put_command(&to, a->request, &s->field.who[s->choice], a->request->metrics[i]);
 }
 
 static void put_savings(const rows *to, const bb_advice *a)
@@ -308,7 +358,7 @@ static void put_scene(const rows *to, const bb_advice *a)
 
 bb_status bb_advice_fill(const bb_advice *a, bb_table *table)
 {
-    const rows to = {table, a->request->scene};
+    const rows to = {table, a->request->scene, NULL};
     const picked nobody = {BB_NONE_CHOSEN, BB_NONE_CHOSEN, BB_NONE_CHOSEN};
     put_scene(&to, a);
     put_decisions(&to, NULL, a->scene, BB_F_SCENE_DECISIONS);
@@ -322,5 +372,7 @@ bb_status bb_advice_fill(const bb_advice *a, bb_table *table)
     put_takings(&to, "taken", &a->taken);
     if (a->choice != BB_NONE_CHOSEN)
         BB_TRY(put_choice(&to, a));
+    for (uint32_t i = 0; i < a->simulated_count; i++)
+        BB_TRY(put_simulated(a, i, table));
     return bb_table_status(table);
 }

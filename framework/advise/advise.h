@@ -31,7 +31,12 @@ typedef struct bb_advise_request {
     uint32_t max_views;     /* 0: all views of the scene */
     uint32_t repeats;       /* rounds of the last heat, at least 6 */
     double memory;          /* bytes for trees, scratch and layouts at a time */
-    bool quick;             /* leaves out one heat */
+    /* Simulations by which the least is found, too, apart from all that is measured; and the
+     * kernels for that, whose steps are recorded */
+    char *const *metrics;
+    uint32_t metric_count;
+    bb_tried simulated_kernels;
+    bool quick; /* leaves out one heat */
     bool exhaustive;
     bool quiet;
     uint64_t seed;

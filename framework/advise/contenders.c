@@ -78,6 +78,29 @@ bb_status bb_tried_intersectors(bb_tried *list)
     return BB_OK;
 }
 
+bb_status bb_tried_recorded(const bb_tried *kernels, bb_tried *list)
+{
+    for (size_t i = 0; i < kernels->count; i++) {
+        bb_spec spec;
+        const bb_kernel *kernel;
+        BB_TRY(bb_kernel_parse(kernels->items[i], &spec, &kernel));
+        if (kernel->control != BB_CONTROL_UNKNOWN)
+            BB_TRY(bb_tried_add(list, kernels->items[i]));
+    }
+    return BB_OK;
+}
+
+const char *bb_tried_exact(const bb_tried *intersectors)
+{
+    for (size_t i = 0; i < intersectors->count; i++) {
+        bb_intersector intersector;
+        if (bb_intersector_parse(intersectors->items[i], &intersector) == BB_OK &&
+            bb_intersector_is_exact(&intersector))
+            return intersectors->items[i];
+    }
+    return NULL;
+}
+
 bb_contender *bb_contenders_make(const bb_tried *builders, const bb_tried *kernels,
                                  const bb_tried *intersectors, uint32_t *count)
 {

@@ -7,6 +7,7 @@
 #include "framework/advise/heat.h"
 #include "framework/advise/savings.h"
 #include "framework/advise/scouts.h"
+#include "framework/advise/simulated.h"
 #include "framework/base/clock.h"
 #include "framework/base/interrupt.h"
 #include "framework/base/memory.h"
@@ -217,7 +218,18 @@ static bb_status scout_builders(course *c, bb_bench_outcome *outcome, bb_results
 
 /* ---- forecast ---- */
 
-static void foretell(course *c, const bb_bench_outcome *scouted, const bb_results *document)
+/* Adds the time of simulations to the forecast. */
+static bb_status foretell_simulations(course *c)
+{
+    const bb_heat heat = all_rays(c);
+    double seconds = 0;
+    if (c->request->metric_count > 0)
+        BB_TRY(bb_simulated_foretell(&c->advice, &heat, &seconds));
+    c->advice.foretold.seconds += seconds;
+    return BB_OK;
+}
+
+static bb_status foretell(course *c, const bb_bench_outcome *scouted, const bb_results *document)
 {
     bb_advice *advice = &c->advice;
     const double first = ROUNDS + 1, last = c->request->repeats + 1;
@@ -225,17 +237,19 @@ static void foretell(course *c, const bb_bench_outcome *scouted, const bb_result
                            full[] = {{first, 1}, {first, 4}, {last, 16}, {last, 16}};
     char text[400];
     if (bb_interrupted())
-        return;
+        return BB_OK;
     advice->foretold =
         c->request->quick
             ? bb_forecast(advice, quick, 3, &scouted->times, document, (double)bb_host_peak())
             : bb_forecast(advice, full, 4, &scouted->times, document, (double)bb_host_peak());
+    BB_TRY(foretell_simulations(c));
     bb_takings_say(&advice->foretold, text, sizeof text);
     bb_progress_note(&c->progress, "%s: %u of %zu configurations are left; about %s",
                      c->request->scene, advice->field.count,
                      c->request->builders.count * c->request->kernels.count *
                          c->request->intersectors.count,
                      text);
+    return BB_OK;
 }
 
 /* Enters all contenders that the scouts left. */
@@ -257,7 +271,7 @@ static bb_status enter_field(course *c)
         c->advice.unlikely = before - count;
     }
     BB_TRY(bb_entered_make(who, count, &c->advice.field));
-    foretell(c, &scouted, document);
+    BB_TRY(foretell(c, &scouted, document));
     bb_ground_free(&c->advice.sample, &c->advice.whole);
     return BB_OK;
 }
@@ -351,7 +365,10 @@ static bb_status race_and_choose(course *c)
         return BB_OK;
     bb_choose(&c->advice);
     BB_TRY(save(c));
-    return c->request->exhaustive && !bb_interrupted() ? search(c) : BB_OK;
+    if (c->request->exhaustive && !bb_interrupted())
+        BB_TRY(search(c));
+    const bb_heat heat = all_rays(c);
+    return bb_simulated_run(&c->advice, &heat);
 }
 
 /* An interrupt after the choice keeps the choice. */
@@ -407,10 +424,24 @@ bb_status bb_advise(const bb_advise_request *request, bb_results *results,
     bb_entered_free(&c->advice.builders);
     bb_entered_free(&c->advice.field);
     bb_entered_free(&c->advice.all);
+    bb_simulated_free(&c->advice);
     for (uint32_t i = 0; i < c->document_count; i++)
         bb_results_destroy(c->documents[i]);
     free(c);
     return status;
+}
+
+static bb_status check_simulated(const bb_advise_request *request)
+{
+    if (request->simulated_kernels.count == 0)
+        return bb_fail(BB_INVALID,
+                       "--metrics: the steps of none of the kernels are recorded, of "
+                       "which '%s' is the first: add one such as stack",
+                       request->kernels.items[0]);
+    return bb_tried_exact(&request->intersectors) != NULL
+               ? BB_OK
+               : bb_fail(BB_INVALID, "--metrics: only `exact` is simulated, not '%s': add it",
+                         request->intersectors.items[0]);
 }
 
 bb_status bb_advise_check(const bb_advise_request *request)
@@ -423,11 +454,14 @@ bb_status bb_advise_check(const bb_advise_request *request)
                                     .intersector_count = (uint32_t)request->intersectors.count,
                                     .workloads = request->rays,
                                     .workload_count = request->ray_count,
+                                    .metrics = request->metrics,
+                                    .metric_count = request->metric_count,
                                     .max_rays = request->max_rays};
     for (size_t i = 0; i < request->builders.count; i++)
         if (bb_tracer_of(request->builders.items[i]) != NULL)
             return bb_fail(BB_INVALID,
                            "--builder %s is a reference row, no builder of trees: leave it out",
                            request->builders.items[i]);
-    return bb_bench_check(&bench);
+    BB_TRY(bb_bench_check(&bench));
+    return request->metric_count > 0 ? check_simulated(request) : BB_OK;
 }

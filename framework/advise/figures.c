@@ -84,6 +84,17 @@ static bool add_trace(const bb_entry *trace, double rays, bb_tried_figures *f)
     return true;
 }
 
+/* Adds the simulation of a trace, scaled to `rays` rays. Returns false if there is none. */
+static bool add_simulation(const bb_image *image, const bb_entry *trace, double rays,
+                           bb_tried_figures *f)
+{
+    bb_simulation simulation;
+    if (!bb_get_simulation(trace, image->simulation, &simulation))
+        return false;
+    bb_simulated_add(&f->simulated, rays, &simulation);
+    return true;
+}
+
 static void say(bb_tried_figures *f, const char *what, const bb_entry *entry, bb_field_id reason)
 {
     snprintf(f->reason, sizeof f->reason, "%s: %s", what, bb_get_text(entry, reason));
@@ -119,6 +130,12 @@ static bool read_traces(const bb_image *image, const bb_entry *build, const bb_c
         uint32_t sets = sets_of_kind(image, build, c, trace, &first);
         if (!add_trace(trace, image->rays / kinds / sets, f)) {
             snprintf(f->reason, sizeof f->reason, "%s: not all rounds were measured",
+                     bb_get_text(trace, BB_F_TRACE_RAYS));
+            return false;
+        }
+        if (image->simulation != NULL &&
+            !add_simulation(image, trace, image->rays / kinds / sets, f)) {
+            snprintf(f->reason, sizeof f->reason, "%s: not simulated",
                      bb_get_text(trace, BB_F_TRACE_RAYS));
             return false;
         }
@@ -162,6 +179,14 @@ static void read_extent(const bb_image *image, const bb_contender *c, bb_tried_f
     };
 }
 
+/* Puts the time of the rays by their bound in place of what was measured. */
+static void take_simulation(bb_tried_figures *f)
+{
+    const double ms = f->simulated.rays / bb_simulated_sum(&f->simulated).mrays_s / 1e3;
+    f->cost = (bb_samples){.count = 1, .values = {ms}};
+    f->extent.ms = ms;
+}
+
 void bb_tried_read(const bb_image *image, const bb_contender *c, bb_tried_figures *f)
 {
     *f = (bb_tried_figures){.build = find_build(image, c)};
@@ -188,4 +213,6 @@ void bb_tried_read(const bb_image *image, const bb_contender *c, bb_tried_figure
     if (!f->measured)
         snprintf(f->reason, sizeof f->reason, "its layout was not measured");
     read_extent(image, c, f);
+    if (image->simulation != NULL)
+        take_simulation(f);
 }

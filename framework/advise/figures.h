@@ -6,6 +6,7 @@
 #include "framework/advise/contenders.h"
 #include "framework/advise/leastness.h"
 #include "framework/record/record.h"
+#include "framework/simulate/simulated_sets.h"
 
 /* An image has `rays` rays, equally many of each kind, and within a kind of each view. */
 typedef struct bb_image {
@@ -13,21 +14,26 @@ typedef struct bb_image {
     const char *scene; /* its name in the results */
     uint32_t run;      /* others are ignored */
     double rays;
-    double factor; /* for times and bytes of builds and layouts: bb_ground.factor */
+    double factor;          /* for times and bytes of builds and layouts: bb_ground.factor */
+    const char *simulation; /* its name in the results: times are those of its bound; NULL: those
+                             * that were measured */
 } bb_image;
 
 typedef struct bb_tried_figures {
     bool measured;
     char reason[256]; /* why not */
-    bb_samples cost;  /* ms of build, layout and rays by rounds; sample 0 is the warm-up */
+    /* ms of build, layout and rays by rounds; sample 0 is the warm-up. By simulation: ms of the
+     * rays, a single sample */
+    bb_samples cost;
     /* medians; rays are the sum of all sets, the build includes boxes and transfer */
     double build_ms, layout_ms, trace_ms;
     double wrong, checked; /* rays */
     double unlike;         /* unjudged rays whose answer differs from that of another `exact` */
     double bytes_build, bytes_layout; /* peak of tree and scratch; layout */
     double bytes_tree;
-    double rays; /* of all sets in one round */
-    bb_extent extent;
+    double rays;                   /* of all sets in one round */
+    bb_extent extent;              /* its time is that of all of `cost` */
+    bb_simulated_sets simulated;   /* sets of rays, if there is a simulation */
     const bb_entry *build, *trace; /* its first trace; both in the results */
 } bb_tried_figures;
 

@@ -57,6 +57,12 @@ static double step_ms(const bb_results *document, const char *name)
     return isfinite(ms) ? ms : 0;
 }
 
+double bb_forecast_compiled_ms(const bb_results *document)
+{
+    return step_ms(document, "compile builders") + step_ms(document, "compile kernels") +
+           step_ms(document, "compile, allocate, first builds");
+}
+
 /* ---- memory ---- */
 
 /* Returns the number of turns of a first heat. *bytes: the memory of the largest. */
@@ -91,9 +97,7 @@ bb_takings bb_forecast(const bb_advice *advice, const bb_forecast_heat *heats, u
                        const bb_bench_times *scouted, const bb_results *document, double host_bytes)
 {
     bb_takings takings = {.seconds = NAN};
-    const double compiled = step_ms(document, "compile builders") +
-                            step_ms(document, "compile kernels") +
-                            step_ms(document, "compile, allocate, first builds");
+    const double compiled = bb_forecast_compiled_ms(document);
     const bb_forecast_heat same = {heats[0].rounds, 1};
     /* all other work is assumed to grow like builds, layouts and traces */
     const double beside = (scouted->total_ms - compiled) /

@@ -16,6 +16,9 @@ bb_takings bb_forecast(const bb_advice *advice, const bb_forecast_heat *heats, u
                        const bb_bench_times *scouted, const bb_results *document,
                        double host_bytes);
 
+/* Returns the ms that the comparison of these results took to compile. */
+double bb_forecast_compiled_ms(const bb_results *document);
+
 /* Writes "2 min 5 s, 2.10 GB of host memory and ...". */
 void bb_takings_say(const bb_takings *takings, char *text, size_t capacity);
 

@@ -132,8 +132,12 @@ static void read_contender(const turn *t, const bb_image *image, uint32_t i, con
 static void read_turn(const turn *t, const bb_results *results, uint32_t run)
 {
     const bb_entry *scene = bb_first(bb_results_section(results, BB_SCENES));
-    const bb_image image = {results, bb_get_text(scene, BB_F_SCENE_NAME), run,
-                            t->request->image_rays, t->heat->ground->factor};
+    const bb_image image = {results,
+                            bb_get_text(scene, BB_F_SCENE_NAME),
+                            run,
+                            t->request->image_rays,
+                            t->heat->ground->factor,
+                            t->heat->simulation};
     bb_tried_figures again = {.measured = false};
     const bool later = t->done[t->reference];
     if (later)
@@ -177,6 +181,8 @@ static bb_status run_turn(turn *t, bb_results *results, bb_bench_outcome *outcom
                                     .max_views = request->max_views,
                                     .repeats = heat->repeats,
                                     .seed = request->seed,
+                                    .metrics = (char **)&heat->metric,
+                                    .metric_count = heat->metric != NULL,
                                     .max_wrong_ppm = request->max_wrong_ppm,
                                     .takes = takes,
                                     .user = t,

@@ -17,6 +17,10 @@ typedef struct bb_heat {
     bool last; /* rates above the limit drop a contender even if they may be chance */
     const bb_ground *ground;
     const bb_sizes *sizes; /* for turns; NULL: one turn for all */
+    /* Costs are those of a simulation, asked for in these words, of this name in the results; NULL:
+     * they are measured */
+    char *metric;
+    const char *simulation;
     const char *guess;     /* builder of the reference while costs are unknown; NULL: any */
     bb_progress *progress; /* NULL: not shown */
     const char *name;      /* in the progress */

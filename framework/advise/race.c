@@ -79,7 +79,7 @@ uint32_t bb_race_drop(bb_racer *racers, uint32_t count, double slack)
 
 static double least_of(const bb_racer *racer)
 {
-    return bb_samples_estimate(&racer->cost).least;
+    return bb_samples_least(&racer->cost);
 }
 
 uint32_t bb_race_drop_least(bb_racer *racers, uint32_t count, double slack)

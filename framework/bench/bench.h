@@ -58,7 +58,7 @@ typedef struct bb_bench_request {
     bb_scene *scene;
     bb_oracle *oracle;
     /* Measures only what a time to image needs: no tests per ray, no phase times, no sampled
-     * metrics. */
+     * metrics; simulates what `metrics` ask for. */
     bool lean;
     /* Called now and then with the share of the work that is done; may be NULL. */
     void (*tell)(void *whom, double share);

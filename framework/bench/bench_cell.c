@@ -339,13 +339,10 @@ static bb_status simulate(bb_trace_set *set, bb_traced_cell *c, uint32_t layout)
     const bb_layout_data *data = &c->entrant->resident->layouts[layout];
     bb_trace_record *r = &c->record;
     bb_steps steps;
-    uint32_t widest = 0;
-    for (uint32_t i = 0; i < bench->simt_count; i++)
-        widest = bench->simts[i].width > widest ? bench->simts[i].width : widest;
     BB_TRY(bb_bench_layout(bench, c->entrant, layout));
     enter(r, "simulate");
     bb_status status = bb_steps_record(bench->device, &request, data, set->rays->rays, c->count,
-                                       BB_SIMT_GROUPS * widest, &steps);
+                                       bb_simts_rays(bench->simts, bench->simt_count), &steps);
     bb_guard_leave();
     BB_TRY(status);
     for (uint32_t i = 0; i < bench->simt_count && status == BB_OK; i++) {
@@ -370,7 +367,7 @@ bb_status bb_trace_simulate(bb_trace_set *set, bb_traced_cell *c)
 {
     bb_bench *bench = set->bench;
     uint32_t layout;
-    if (c->entrant->tracer != NULL || bench->request->lean || bench->simt_count == 0 ||
+    if (c->entrant->tracer != NULL || bench->simt_count == 0 ||
         c->entrant->record.tree.node_count == 1)
         return BB_OK;
     bb_kernel_choice *choice = &bench->kernels[c->kernel];

@@ -14,7 +14,7 @@
 typedef struct advising {
     bb_contest_choice choice;
     bb_advise_request request;
-    bb_names rays, builders, kernels, intersectors;
+    bb_names rays, builders, kernels, intersectors, metrics;
     uint64_t count, memory;
     uint32_t charts;
     char *further; /* bb_advise_request.further */
@@ -40,6 +40,7 @@ static const bb_cli_option options[] = {
      BB_INTO(advising, kernels)},
     {"intersector", "I", "intersectors to try; default: exact, or all if wrong rays are tolerated",
      BB_INTO(advising, intersectors)},
+    BB_SIMULATIONS_OPTION(advising, metrics, "the least by the bound of the rays, shown apart"),
     {"exhaustive", NULL,
      "measure all combinations at the end, and compare the choice with the best",
      BB_INTO(advising, request.exhaustive)},
@@ -95,6 +96,25 @@ static bb_status choose_kernels(advising *a)
     return copy(&a->kernels, &a->request.kernels);
 }
 
+/* Those given, or those for a GPU, as far as their steps are recorded. */
+static bb_status choose_simulated(advising *a)
+{
+    bb_advise_request *r = &a->request;
+    bb_tried for_gpus = {.count = 0};
+    BB_TRY(bb_choose_simulations(&a->metrics));
+    r->metrics = a->metrics.items;
+    r->metric_count = (uint32_t)a->metrics.count;
+    if (r->metric_count == 0)
+        return BB_OK;
+    if (a->kernels.count > 0)
+        return bb_tried_recorded(&r->kernels, &r->simulated_kernels);
+    bb_status status = bb_tried_kernels(&for_gpus, BB_FOR_GPU);
+    if (status == BB_OK)
+        status = bb_tried_recorded(&for_gpus, &r->simulated_kernels);
+    bb_tried_free(&for_gpus);
+    return status;
+}
+
 static bb_status choose_intersectors(advising *a)
 {
     bb_tried *list = &a->request.intersectors;
@@ -137,6 +157,7 @@ static bb_status fill_request(advising *a)
     BB_TRY(choose_builders(a));
     BB_TRY(choose_kernels(a));
     BB_TRY(choose_intersectors(a));
+    BB_TRY(choose_simulated(a));
     return bb_advise_check(r);
 }
 
@@ -254,6 +275,7 @@ static void release(void *values)
     bb_tried_free(&a->request.builders);
     bb_tried_free(&a->request.kernels);
     bb_tried_free(&a->request.intersectors);
+    bb_tried_free(&a->request.simulated_kernels);
     free(a->further);
 }
 
