@@ -34,7 +34,8 @@ typedef struct bb_advise_request {
     /* Simulations by which the least is found, too, apart from all that is measured; and the
      * kernels for that, whose steps are recorded */
     char *const *metrics;
-    uint32_t metric_count;
+    const bb_simt *simts; /* the same, read */
+    uint32_t simt_count;
     bb_tried simulated_kernels;
     bool quick; /* leaves out one heat */
     bool exhaustive;

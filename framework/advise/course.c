@@ -223,7 +223,7 @@ static bb_status foretell_simulations(course *c)
 {
     const bb_heat heat = all_rays(c);
     double seconds = 0;
-    if (c->request->metric_count > 0)
+    if (c->request->simt_count > 0)
         BB_TRY(bb_simulated_foretell(&c->advice, &heat, &seconds));
     c->advice.foretold.seconds += seconds;
     return BB_OK;
@@ -455,7 +455,7 @@ bb_status bb_advise_check(const bb_advise_request *request)
                                     .workloads = request->rays,
                                     .workload_count = request->ray_count,
                                     .metrics = request->metrics,
-                                    .metric_count = request->metric_count,
+                                    .metric_count = request->simt_count,
                                     .max_rays = request->max_rays};
     for (size_t i = 0; i < request->builders.count; i++)
         if (bb_tracer_of(request->builders.items[i]) != NULL)
@@ -463,5 +463,5 @@ bb_status bb_advise_check(const bb_advise_request *request)
                            "--builder %s is a reference row, no builder of trees: leave it out",
                            request->builders.items[i]);
     BB_TRY(bb_bench_check(&bench));
-    return request->metric_count > 0 ? check_simulated(request) : BB_OK;
+    return request->simt_count > 0 ? check_simulated(request) : BB_OK;
 }

@@ -112,12 +112,9 @@ bb_status bb_simulated_run(bb_advice *advice, const bb_heat *all_rays)
 {
     const bb_advise_request *r = advice->request;
     const bb_sizes sizes = half_of(&advice->sizes);
-    bb_simt simts[BB_SIMT_MAX];
-    uint32_t count;
-    BB_TRY(bb_simts_parse(r->metrics, r->metric_count, simts, &count));
-    for (uint32_t i = 0; i < count && !bb_interrupted(); i++) {
+    for (uint32_t i = 0; i < r->simt_count && !bb_interrupted(); i++) {
         bb_simulated_advice *s = &advice->simulated[i];
-        snprintf(s->name, sizeof s->name, "%s", simts[i].name);
+        snprintf(s->name, sizeof s->name, "%s", r->simts[i].name);
         const bb_heat heat = heat_of(all_rays, &sizes, r->metrics[i], s->name);
         BB_TRY(run_course(advice, &heat, s));
         advice->simulated_count += !bb_interrupted();
@@ -171,7 +168,7 @@ bb_status bb_simulated_foretell(const bb_advice *advice, const bb_heat *all_rays
     bb_status status = bb_results_create(&(bb_context){r->device, r->seed, r->command}, &results);
     if (status == BB_OK) {
         status = bb_heat_run(r, &heat, &probe, results, &outcome);
-        *seconds = r->metric_count / 1e3 *
+        *seconds = r->simt_count / 1e3 *
                    (builds_ms(advice) +
                     contenders_of(r) * (outcome.times.total_ms - bb_forecast_compiled_ms(results)));
         bb_results_destroy(results);

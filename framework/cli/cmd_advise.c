@@ -15,6 +15,7 @@ typedef struct advising {
     bb_contest_choice choice;
     bb_advise_request request;
     bb_names rays, builders, kernels, intersectors, metrics;
+    bb_simt simts[BB_SIMT_MAX];
     uint64_t count, memory;
     uint32_t charts;
     char *further; /* bb_advise_request.further */
@@ -101,10 +102,10 @@ static bb_status choose_simulated(advising *a)
 {
     bb_advise_request *r = &a->request;
     bb_tried for_gpus = {.count = 0};
-    BB_TRY(bb_choose_simulations(&a->metrics));
+    BB_TRY(bb_choose_simulations(&a->metrics, a->simts, &r->simt_count));
     r->metrics = a->metrics.items;
-    r->metric_count = (uint32_t)a->metrics.count;
-    if (r->metric_count == 0)
+    r->simts = a->simts;
+    if (r->simt_count == 0)
         return BB_OK;
     if (a->kernels.count > 0)
         return bb_tried_recorded(&r->kernels, &r->simulated_kernels);

@@ -14,7 +14,8 @@
 
 typedef struct job {
     bb_contest_choice choice;
-    bb_names scenes, builders, kernels, rays;
+    bb_names scenes, builders, kernels, rays, metrics;
+    bb_simt simts[BB_SIMT_MAX];
     const char *frames;
     bb_animate_request request;
     bb_animate_result result;
@@ -39,6 +40,7 @@ static const bb_cli_option options[] = {
      .high = 1 << 24, .fallback = "65536"},
     {"repeats", "N", "rounds over the whole sequence that count", BB_INTO(job, request.repeats),
      .low = 1, .high = BB_ANIMATE_ROUNDS_MAX - 1, .fallback = "3"},
+    BB_SIMULATIONS_OPTION(job, metrics, "traces of the first and the last frame"),
     BB_ROUNDS_IN_TIME_OPTION(job, choice.time),
     BB_SEED_OPTION(job, request.seed),
     BB_GROUP(bb_contest_options, job, choice),
@@ -83,6 +85,8 @@ static bb_status read_names(job *j)
                                  : bb_names_add_role(&j->builders, BB_ROLE_MOVING));
     BB_TRY(bb_choose_kernels(&j->kernels, j->choice.device.name));
     BB_TRY(bb_choose_rays(&j->rays));
+    BB_TRY(bb_choose_simulations(&j->metrics, j->simts, &request->simt_count));
+    request->simts = j->simts;
     BB_TRY(check_count("builder", j->builders.count, BB_ANIMATE_METHODS_MAX));
     BB_TRY(check_count("kernel", j->kernels.count, BB_ANIMATE_KERNELS_MAX));
     BB_TRY(check_count("rays", j->rays.count, BB_ANIMATE_RAYS_MAX));

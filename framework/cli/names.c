@@ -8,7 +8,6 @@
 #include "framework/device/device_private.h"
 #include "framework/record/cell.h"
 #include "framework/scene/scene.h"
-#include "framework/simulate/simulate.h"
 #include "framework/stress/axis.h"
 #include "framework/workload/workload.h"
 #include "traversal/traversal.h"
@@ -293,15 +292,13 @@ bb_status bb_choose_metrics(bb_names *names)
     return choose(&metrics, NULL, names);
 }
 
-bb_status bb_choose_simulations(bb_names *names)
+bb_status bb_choose_simulations(const bb_names *names, bb_simt simts[BB_SIMT_MAX], uint32_t *count)
 {
-    bb_simt simts[BB_SIMT_MAX];
-    uint32_t count;
     for (size_t i = 0; i < names->count; i++)
         if (!bb_is_simt(names->items[i]))
             return bb_fail(BB_INVALID, "--metrics: there is no '%s' here, only " BB_SIMT,
                            names->items[i]);
-    return bb_simts_parse(names->items, (uint32_t)names->count, simts, &count);
+    return bb_simts_parse(names->items, (uint32_t)names->count, simts, count);
 }
 
 static bb_status add_all_axes(bb_names *names)

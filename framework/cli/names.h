@@ -4,6 +4,7 @@
 
 #include "framework/base/variants.h"
 #include "framework/cli/cli.h"
+#include "framework/simulate/simulate.h"
 
 /* Appends one item, in which commas mean nothing. */
 bb_status bb_names_add_item(bb_names *names, const char *item);
@@ -40,8 +41,8 @@ bb_status bb_add_compared_kernels(bb_names *names, uint32_t kind);
 bb_status bb_choose_rays(bb_names *names);
 bb_status bb_choose_intersectors(bb_names *names);
 bb_status bb_choose_metrics(bb_names *names);
-/* Metrics that can only be simulations. */
-bb_status bb_choose_simulations(bb_names *names);
+/* Reads metrics that can only be simulations. */
+bb_status bb_choose_simulations(const bb_names *names, bb_simt simts[BB_SIMT_MAX], uint32_t *count);
 bb_status bb_choose_axes(bb_names *names);
 
 /* BB_INVALID if `text` is most likely a misspelt name of a scene, or the folder of the shipped

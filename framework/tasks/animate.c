@@ -101,6 +101,10 @@ static bb_status take_request(bb_animate *a)
     result->method_count = request->builder_count;
     result->kernel_count = request->kernel_count;
     result->ray_count = request->ray_count;
+    result->simulation_count = request->simt_count;
+    for (uint32_t i = 0; i < request->simt_count; i++)
+        snprintf(result->simulations[i], sizeof result->simulations[i], "%s",
+                 request->simts[i].name);
     return BB_OK;
 }
 
@@ -251,8 +255,10 @@ bb_status bb_animate_run(const bb_animate_request *request, bb_scene *scene,
 
 void bb_animate_release(bb_animate_result *result)
 {
-    for (uint32_t m = 0; m < BB_ANIMATE_METHODS_MAX; m++)
+    for (uint32_t m = 0; m < BB_ANIMATE_METHODS_MAX; m++) {
         bb_host_free(result->methods[m].frames);
+        bb_host_free(result->methods[m].simulations);
+    }
     free(result->states);
     bb_canvas_free(&result->strip);
     memset(result, 0, sizeof *result);

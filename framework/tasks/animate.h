@@ -13,6 +13,7 @@
 #include "framework/builder/instance.h"
 #include "framework/judge/accuracy.h"
 #include "framework/picture/canvas.h"
+#include "framework/simulate/simulate.h"
 #include "framework/table/outline.h"
 #include "traversal/traversal.h"
 
@@ -47,6 +48,8 @@ typedef struct bb_animate_request {
     bool strip;           /* draw some of the frames */
     bb_audit *audit;      /* gets all timings; NULL: none is asked for */
     bb_bystanders *watch; /* of other programs; NULL: nobody is warned */
+    const bb_simt *simts; /* simulations of the traces of the first and the last frame */
+    uint32_t simt_count;
 } bb_animate_request;
 
 /* Of one round. NAN: not measured. */
@@ -87,6 +90,9 @@ typedef struct bb_animate_method {
     uint32_t done;     /* frames */
     uint64_t most_bytes;
     bb_animate_frame *frames;
+    bb_simulation *simulations; /* bb_animate_simulation() finds them; NULL: none */
+    char unsimulated[BB_ANIMATE_KERNELS_MAX][320]; /* why there are none of a kernel; "": there are,
+                                                    * or none was asked for */
 } bb_animate_method;
 
 /* What all methods share in a frame. */
@@ -114,9 +120,11 @@ typedef struct bb_animate_result {
     uint32_t kernel_count, ray_count;
     char kernels[BB_ANIMATE_KERNELS_MAX][96], rays[BB_ANIMATE_RAYS_MAX][96];
     char intersector[96];
-    uint32_t rounds; /* that count and are complete */
-    double ms;       /* all together */
-    bb_canvas strip; /* up to eight frames side by side, if it was asked for */
+    uint32_t simulation_count;
+    char simulations[BB_SIMT_MAX][80]; /* their names */
+    uint32_t rounds;                   /* that count and are complete */
+    double ms;                         /* all together */
+    bb_canvas strip;                   /* up to eight frames side by side, if it was asked for */
 } bb_animate_result;
 
 /* The scene is on the device. BB_INVALID for frames that there are not. Interrupted after a round
@@ -126,6 +134,12 @@ typedef struct bb_animate_result {
 bb_status bb_animate_run(const bb_animate_request *request, bb_scene *scene,
                          bb_animate_result *result);
 void bb_animate_release(bb_animate_result *result);
+
+/* Returns the simulation of a method's trace in a frame: of the first and the last there are some.
+ * NULL: there is none. */
+const bb_simulation *bb_animate_simulation(const bb_animate_result *result,
+                                           const bb_animate_method *method, uint32_t frame,
+                                           uint32_t kernel, uint32_t rays, uint32_t simulation);
 
 /* Wrong answers of all methods. */
 uint64_t bb_animate_wrong(const bb_animate_result *result);

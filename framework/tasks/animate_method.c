@@ -50,6 +50,7 @@ bb_status bb_animate_runner_create(bb_animate *a, const char *builder, bb_animat
                          &method->frames));
     for (uint32_t f = 0; f < a->frames; f++)
         clear(&method->frames[f]);
+    BB_TRY(bb_animate_room_for_simulations(a, method));
     runner->hashes = calloc((size_t)a->frames * request->kernel_count * request->ray_count,
                             sizeof *runner->hashes);
     if (runner->hashes == NULL)
@@ -73,6 +74,8 @@ void bb_animate_runner_destroy(bb_animate *a, bb_animate_runner *runner)
     for (uint32_t k = 0; k < a->request->kernel_count; k++) {
         bb_layout_data_release(&runner->layouts[k]);
         bb_layout_maker_destroy(&runner->makers[k]);
+        bb_layout_data_release(&runner->simulated_layouts[k]);
+        bb_layout_maker_destroy(&runner->simulated_makers[k]);
     }
     bb_instance_destroy(&runner->instance);
     free(runner->hashes);
@@ -168,7 +171,7 @@ static bb_status look_at_tree(bb_animate *a, bb_animate_runner *runner, uint32_t
 
 /* ---- traces ---- */
 
-static bb_traverser_request traverser_of(const bb_animate *a, uint32_t k, const bb_rays *rays)
+bb_traverser_request bb_animate_traverser(const bb_animate *a, uint32_t k, const bb_rays *rays)
 {
     return (bb_traverser_request){
         .kernel = a->kernels[k],
@@ -181,7 +184,7 @@ static bb_traverser_request traverser_of(const bb_animate *a, uint32_t k, const 
 static bb_status get_traverser(bb_animate *a, bb_animate_runner *runner, uint32_t k, uint32_t set,
                                const bb_rays *rays, bool *fresh)
 {
-    const bb_traverser_request request = traverser_of(a, k, rays);
+    const bb_traverser_request request = bb_animate_traverser(a, k, rays);
     bb_traverser *before = runner->traversers[k][set];
     BB_TRY(bb_traverser_get(a->device, &request, &runner->layouts[k], &runner->traversers[k][set]));
     *fresh = runner->traversers[k][set] != before;
@@ -215,7 +218,7 @@ static bb_status count_tests(bb_animate *a, bb_animate_runner *runner, uint32_t 
     if (a->counted < rays->count)
         BB_TRY(bb_counter_create(a->device, NULL, rays->count, &a->counter));
     a->counted = a->counted > rays->count ? a->counted : rays->count;
-    BB_TRY(bb_count_tests(&a->counter, traverser_of(a, k, rays), &runner->layouts[k], rays,
+    BB_TRY(bb_count_tests(&a->counter, bb_animate_traverser(a, k, rays), &runner->layouts[k], rays,
                           rays->count, rays->count, &tests));
     trace->tests += tests.nodes + tests.prims;
     trace->overflowed += tests.overflowed;
@@ -307,6 +310,8 @@ bb_status bb_animate_step(bb_animate *a, bb_animate_runner *runner, uint32_t ind
         status = look_at_tree(a, runner, index);
     if (status == BB_OK)
         status = trace(a, runner, index, round);
+    if (status == BB_OK && round == 0)
+        status = bb_animate_simulate(a, runner, index);
     if (status == BB_OK) {
         method->done = round == 0 ? index + 1 : method->done;
         uint64_t bytes = bytes_of(a, runner);

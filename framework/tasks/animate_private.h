@@ -1,5 +1,5 @@
 /* What the parts of an animation share: animate.c, animate_frame.c, animate_strip.c,
- * animate_method.c. */
+ * animate_method.c, animate_simulate.c. */
 #ifndef BB_ANIMATE_PRIVATE_H
 #define BB_ANIMATE_PRIVATE_H
 
@@ -20,6 +20,9 @@ typedef struct bb_animate_runner {
     bb_instance instance;
     bb_layout_maker makers[BB_ANIMATE_KERNELS_MAX];
     bb_layout_data layouts[BB_ANIMATE_KERNELS_MAX];
+    /* for simulations, in preorder */
+    bb_layout_maker simulated_makers[BB_ANIMATE_KERNELS_MAX];
+    bb_layout_data simulated_layouts[BB_ANIMATE_KERNELS_MAX];
     bb_traverser *traversers[BB_ANIMATE_KERNELS_MAX][BB_ANIMATE_RAYS_MAX]; /* the last */
     uint64_t *hashes; /* of answers in the first round: frames * kernels * sets */
 } bb_animate_runner;
@@ -75,5 +78,14 @@ void bb_animate_runner_destroy(bb_animate *a, bb_animate_runner *runner);
  * cannot do, or does wrong, is noted in it; other failures are returned. */
 bb_status bb_animate_step(bb_animate *a, bb_animate_runner *runner, uint32_t index, uint32_t round,
                           uint32_t changed);
+bb_traverser_request bb_animate_traverser(const bb_animate *a, uint32_t kernel,
+                                          const bb_rays *rays);
+
+/* ---- animate_simulate.c ---- */
+
+bb_status bb_animate_room_for_simulations(const bb_animate *a, bb_animate_method *method);
+/* Simulates the traces of a method's tree, if that was asked for and the frame is the first or the
+ * last. What cannot be simulated is noted in the method. */
+bb_status bb_animate_simulate(bb_animate *a, bb_animate_runner *runner, uint32_t index);
 
 #endif

@@ -2,6 +2,7 @@
 #include "framework/tasks/animate.h"
 
 #include "framework/bench/contest_table.h"
+#include "framework/simulate/simulated_table.h"
 #include "framework/table/figure.h"
 
 #include <math.h>
@@ -73,6 +74,8 @@ BB_EXACT(answers, "answers", "answers", "", "That were judged, in all frames.", 
 BB_EXACT(all_wrong, "wrong_answers", "wrong", "", "In all frames.", NEITHER, 0);
 BB_TIMED(speed, "mrays_per_s", "M/s", "",
          "Millions of rays per second, over all frames but the first.", MORE, 3);
+
+BB_TEXT(unsimulated, "simt_unsimulated", "not simulated", "Why there are no simulated figures.");
 
 /* Of a frame with so many rays of a kind. */
 BB_TIMED(frame_ms, "frame_ms", "frame", "ms",
@@ -204,6 +207,32 @@ static void fill_kernels(const bb_animate_result *r, const bb_animate_method *me
     }
 }
 
+/* In rows of their own, which have nothing that was measured. */
+static void fill_simulations(const bb_animate_result *r, const bb_animate_method *method,
+                             uint32_t f, const char *frame, uint32_t i, bb_table *table)
+{
+    for (uint32_t k = 0; k < r->kernel_count; k++)
+        for (uint32_t set = 0; set < r->ray_count; set++) {
+            const bb_simulation *s = bb_animate_simulation(r, method, f, k, set, i);
+            if (s != NULL)
+                bb_simulated_put(table,
+                                 row_of(r, table, frame, r->rays[set], method->builder,
+                                        r->simulations[i], r->kernels[k]),
+                                 s);
+        }
+}
+
+static void fill_unsimulated(const bb_animate_result *r, const bb_animate_method *method,
+                             bb_table *table)
+{
+    for (uint32_t k = 0; k < r->kernel_count; k++)
+        for (uint32_t i = 0; i < r->simulation_count && method->unsimulated[k][0] != '\0'; i++)
+            bb_table_set_text(
+                table,
+                row_of(r, table, NULL, NULL, method->builder, r->simulations[i], r->kernels[k]),
+                &unsimulated, method->unsimulated[k]);
+}
+
 static void fill_frame(const bb_animate_result *r, const bb_animate_method *method, uint32_t f,
                        bb_table *table)
 {
@@ -228,6 +257,8 @@ static void fill_frame(const bb_animate_result *r, const bb_animate_method *meth
                             row_of(r, table, frame, NULL, method->builder, of->events[e], NULL),
                             &events, (double)of->event_numbers[e]);
     fill_kernels(r, method, f, frame, table);
+    for (uint32_t i = 0; i < r->simulation_count; i++)
+        fill_simulations(r, method, f, frame, i, table);
 }
 
 static void fill_kernel_means(const bb_animate_result *r, const bb_animate_method *method,
@@ -274,6 +305,7 @@ static void fill_method(const bb_animate_result *r, const bb_animate_method *met
     put(table, row, &update, r, sums.update);
     put(table, row, &update_cpu, r, sums.update_cpu);
     put(table, row, &transfer, r, sums.transfer);
+    fill_unsimulated(r, method, table);
     if (sums.frames > 0) {
         fill_sums(r, method, row, &sums, table);
         fill_kernel_means(r, method, &sums, table);

@@ -54,6 +54,16 @@ static const bb_table_view views[] = {
      .rows = BB_SET(BB_BUILDER),
      .across = BB_SET(BB_QUESTION),
      .columns = {{{"faster_for"}, "", false}}},
+    {.caption = "Simulated: neither measured nor validated; first and last frame",
+     .with = BB_SET(BB_BUILDER) | BB_SET(BB_MAKER) | BB_SET(BB_INTERSECTOR),
+     .rows = BB_SET(BB_FRAME) | BB_SET(BB_BUILDER) | BB_SET(BB_INTERSECTOR),
+     .across = BB_SET(BB_QUESTION),
+     .each = BB_SET(BB_MAKER),
+     .columns = {{{"simt_mrays_s"}, "bound, M/s", false},
+                 {{"simt_binds"}, "by", false},
+                 {{"simt_efficiency"}, "SIMT efficiency", false},
+                 {{"simt_memory_bytes"}, "memory B", false},
+                 {{"simt_unsimulated"}, "not simulated", false}}},
     {.caption = "Time of a frame",
      .with = METHOD_IN_FRAME | BB_SET(BB_QUESTION),
      .without = BB_SET(BB_MAKER) | BB_SET(BB_INTERSECTOR),
@@ -103,7 +113,7 @@ static const bb_table_view views[] = {
      .columns = {{{"sah_over_best"}, "", false}}},
 };
 
-enum { VIEWS = sizeof views / sizeof views[0], BRIEF_VIEWS = 4 };
+enum { VIEWS = sizeof views / sizeof views[0], BRIEF_VIEWS = 5 };
 
 #define OUTLINE                                                                                    \
     .command = "animate", .title = "bvhbench: moving scenes", .views = views, .wrong = "wrong",    \
