@@ -17,7 +17,8 @@
 
 typedef struct wanted {
     bb_device_choice device;
-    bb_names axes, builders, kernels, intersectors;
+    bb_names axes, builders, kernels, intersectors, metrics;
+    bb_simt simts[BB_SIMT_MAX];
     const char *history;
     bb_stress_request request;
     uint32_t seconds;
@@ -38,6 +39,7 @@ static const bb_cli_option options[] = {
      "take minutes: small scenes, few rays and values; times are not judged, rare failures are "
      "missed",
      BB_INTO(wanted, request.quick)},
+    BB_SIMULATIONS_OPTION(wanted, metrics, "traces at each value of an axis"),
     {"limit", "SECONDS",
      "time limit of a method at one value of an axis; beyond it, the method hangs",
      BB_INTO(wanted, seconds), .low = 1, .high = 86400, .fallback = "120"},
@@ -167,6 +169,9 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
     BB_TRY(bb_load_plugins(&w->device.plugins));
     BB_TRY(bb_choose_axes(&w->axes));
     BB_TRY(choose_methods(w));
+    BB_TRY(bb_choose_simulations(&w->metrics, w->simts, &r->simt_count));
+    r->metrics = w->metrics.items;
+    r->simts = w->simts;
     BB_TRY(identify(cli, &w->device, &r->identity));
     r->limits.seconds = w->seconds;
     r->axes = w->axes.items;

@@ -3,6 +3,7 @@
 
 #include "framework/device/run_row.h"
 #include "framework/stress/point_private.h"
+#include "framework/stress/stress_private.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -58,19 +59,29 @@ BB_TEXT(returns, "returns", "not throughout", "yes: it does not fail at all x be
 static const bb_table_view views[] = {
     {.caption = "Failures",
      .with = BB_SET(BB_QUESTION) | BB_SET(BB_MAKER),
+     .having = "word",
      .rows = BB_SET(BB_BUILDER) | BB_SET(BB_MAKER) | BB_SET(BB_INTERSECTOR),
      .columns = {{.parts = {"at"}},
                  {.parts = {"below"}},
                  {.parts = {"ratio"}},
                  {.parts = {"from_start"}},
                  {.parts = {"returns"}}}},
+    {.caption = "Simulated: neither measured nor validated",
+     .with = BB_SET(BB_QUESTION) | BB_SET(BB_MAKER) | BB_SET(BB_FRAME),
+     .rows = BB_SET(BB_FRAME) | BB_SET(BB_BUILDER) | BB_SET(BB_INTERSECTOR),
+     .each = BB_SET(BB_MAKER),
+     .columns = {{{"simt_mrays_s"}, "bound, M/s", false},
+                 {{"simt_binds"}, "by", false},
+                 {{"simt_efficiency"}, "SIMT efficiency", false},
+                 {{"simt_steps_per_ray"}, "steps", false},
+                 {{"simt_memory_bytes"}, "memory B", false}}},
 };
 const bb_page_outline bb_stress_outline = {
     .command = "stress",
     .title = "bvhbench: where methods fail",
     .by_question = true,
     .views = views,
-    .view_count = 1,
+    .view_count = sizeof views / sizeof views[0],
 };
 
 static const char *yes(bool it_is)
@@ -139,6 +150,7 @@ static void put_failure(bb_table *table, bb_cell cell, uint32_t manner, const bb
 
 static void put_axis(bb_table *table, const bb_stress *s, const bb_stress_axis *a)
 {
+    const bb_points points = bb_stress_points(s->request, &a->axis);
     put_about(table, a);
     for (uint32_t i = 0; i < a->search.probe_count; i++) {
         char value[BB_AXIS_VALUE];
@@ -147,9 +159,9 @@ static void put_axis(bb_table *table, const bb_stress *s, const bb_stress_axis *
             const bb_cell cell = bb_method_row(&s->request->methods[m], a->axis.name, value);
             if (a->search.probes[i].figures[m].outcome == BB_NOT_MEASURED)
                 continue;
-            const uint32_t row = bb_table_row(table, cell);
+            const uint32_t row =
+                bb_figures_put(table, cell, &points, &a->search.probes[i].figures[m]);
             bb_table_set_number(table, row, &x, a->search.probes[i].x);
-            bb_figures_put(table, row, &a->search.probes[i].figures[m]);
         }
     }
     for (uint32_t m = 0; m < s->request->method_count; m++)

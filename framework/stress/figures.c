@@ -11,20 +11,24 @@ const char *bb_outcome_word(bb_outcome outcome)
 
 bb_point_figures bb_no_figures(bb_outcome outcome)
 {
-    return (bb_point_figures){.outcome = outcome,
-                              .prims = NAN,
-                              .build_ms = NAN,
-                              .ray_sets = NAN,
-                              .trace_ms = NAN,
-                              .rays = NAN,
-                              .tests = NAN,
-                              .metric = NAN,
-                              .bytes = NAN,
-                              .wrong = NAN,
-                              .checked = NAN,
-                              .unlike = NAN,
-                              .overflowed = NAN,
-                              .rebuilt = NAN};
+    const bb_simulated_sets no_sets = {.count = 0};
+    bb_point_figures none = {.outcome = outcome,
+                             .prims = NAN,
+                             .build_ms = NAN,
+                             .ray_sets = NAN,
+                             .trace_ms = NAN,
+                             .rays = NAN,
+                             .tests = NAN,
+                             .metric = NAN,
+                             .bytes = NAN,
+                             .wrong = NAN,
+                             .checked = NAN,
+                             .unlike = NAN,
+                             .overflowed = NAN,
+                             .rebuilt = NAN};
+    for (uint32_t i = 0; i < BB_SIMT_MAX; i++)
+        none.simulated[i] = bb_simulated_sum(&no_sets);
+    return none;
 }
 
 const bb_manner_about bb_manners[BB_MANNERS] = {

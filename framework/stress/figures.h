@@ -2,6 +2,8 @@
 #ifndef BB_STRESS_FIGURES_H
 #define BB_STRESS_FIGURES_H
 
+#include "framework/simulate/simulated_sets.h"
+
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -27,15 +29,17 @@ typedef struct bb_point_figures {
     char reason[256]; /* "" for BB_MEASURED */
     double prims;     /* of the scene */
     double build_ms;
-    double ray_sets;       /* traced sets, as bits in the order of the axis */
-    double trace_ms, rays; /* sums over these sets */
-    double tests;          /* box and primitive tests per ray */
-    double metric;         /* bb_metric_of_layouts() of the tree */
-    double bytes;          /* peak of the tree with scratch */
-    double wrong, checked; /* answers */
-    double unlike;         /* answers that differ from those of another exact cell */
-    double overflowed;     /* counted rays whose stack was too small */
-    double rebuilt;        /* moving scenes: share of frames with a new build */
+    double ray_sets;                      /* traced sets, as bits in the order of the axis */
+    double trace_ms, rays;                /* sums over these sets */
+    double tests;                         /* box and primitive tests per ray */
+    double metric;                        /* bb_metric_of_layouts() of the tree */
+    double bytes;                         /* peak of the tree with scratch */
+    double wrong, checked;                /* answers */
+    double unlike;                        /* answers that differ from those of another exact cell */
+    double overflowed;                    /* counted rays whose stack was too small */
+    double rebuilt;                       /* moving scenes: share of frames with a new build */
+    bb_simulation simulated[BB_SIMT_MAX]; /* of all traced sets; of moving scenes, of the last
+                                           * frame */
 } bb_point_figures;
 
 /* Manners of failing. Relative manners compare with the method's own figures in the normal case.

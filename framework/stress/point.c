@@ -29,6 +29,10 @@ static bb_status hash_of(const bb_point_work *work, uint64_t *hash)
     bb_identity *identity = bb_identity_begin();
     bb_identity_add(identity, numbers, sizeof numbers);
     bb_identity_add_text(identity, p->axis->text);
+    for (uint32_t i = 0; i < p->simt_count; i++) {
+        bb_identity_add_text(identity, p->simts[i].name);
+        bb_identity_add(identity, &p->simts[i].device, sizeof p->simts[i].device);
+    }
     for (uint32_t i = 0; i < work->count; i++) {
         const bb_wish *wish = &work->wishes[i];
         bb_identity_add(identity, &wish->x, sizeof wish->x);

@@ -38,6 +38,9 @@ typedef struct bb_points {
     uint32_t max_rays; /* of each set */
     uint32_t repeats;  /* rounds that count */
     uint64_t seed;
+    char *const *metrics; /* simulations of all traces, and the same, read */
+    const bb_simt *simts;
+    uint32_t simt_count;
     bb_child_limits limits; /* for one value */
     const char *folder;     /* of the files; must exist */
     uint64_t identity;      /* hash of the program, its plug-ins and the device; files of another

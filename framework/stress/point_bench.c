@@ -54,6 +54,17 @@ static void add_trace(bb_point_figures *f, const bb_entry *trace, double *tests)
         or_zero(f->overflowed) + or_zero(bb_get_number(trace, BB_F_ACCURACY_OVERFLOWED));
 }
 
+/* What is not simulated makes the sum NAN. */
+static void add_simulations(const bb_points *points, const bb_entry *trace,
+                            bb_simulated_sets *simulated)
+{
+    for (uint32_t i = 0; i < points->simt_count; i++) {
+        bb_simulation one;
+        bb_get_simulation(trace, points->simts[i].name, &one);
+        bb_simulated_add(&simulated[i], bb_get_number(trace, BB_F_TRACE_COUNT), &one);
+    }
+}
+
 /* Selects entries of a method by the texts of bb_bench_request; NULL: any. */
 typedef struct row {
     const char *builder, *kernel, *intersector;
@@ -113,6 +124,8 @@ static uint32_t set_of(const bb_point_request *request, const bb_entry *trace)
 static void read_traces(const bb_results *results, const bb_point_request *request, const row *r,
                         bb_point_figures *f)
 {
+    const bb_points *points = request->points;
+    bb_simulated_sets simulated[BB_SIMT_MAX] = {{.count = 0}};
     double tests = 0;
     uint32_t traces = 0, sets = 0;
     bb_each(trace, bb_results_section(results, BB_TRACES))
@@ -123,6 +136,7 @@ static void read_traces(const bb_results *results, const bb_point_request *reque
             bb_is_ok(trace) ? BB_MEASURED : outcome_of(bb_get_text(trace, BB_F_TRACE_STATUS));
         if (outcome == BB_MEASURED) {
             add_trace(f, trace, &tests);
+            add_simulations(points, trace, simulated);
             sets |= 1u << set_of(request, trace);
         }
         if (traces++ == 0 || weight_of(outcome) > weight_of(f->outcome))
@@ -131,6 +145,8 @@ static void read_traces(const bb_results *results, const bb_point_request *reque
     if (traces == 0)
         bb_point_end(f, BB_OUT_FAILED, "none of the rays could be made for this scene");
     f->ray_sets = sets;
+    for (uint32_t i = 0; i < points->simt_count; i++)
+        f->simulated[i] = bb_simulated_sum(&simulated[i]);
     f->tests = tests > 0 ? tests / f->rays : NAN;
 }
 

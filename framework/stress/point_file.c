@@ -3,6 +3,7 @@
 #include "framework/stress/stress.h"
 
 #include "framework/device/run_row.h"
+#include "framework/simulate/simulated_table.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -45,18 +46,28 @@ static const struct {
 
 enum { FIGURES = sizeof figures / sizeof figures[0] };
 
-void bb_figures_put(bb_table *table, uint32_t row, const bb_point_figures *f)
+uint32_t bb_figures_put(bb_table *table, bb_cell cell, const bb_points *points,
+                        const bb_point_figures *f)
 {
+    const uint32_t row = bb_table_row(table, cell);
     bb_table_set_text(table, row, &outcome, bb_outcome_word(f->outcome));
     bb_table_set_text(table, row, &reason, f->outcome != BB_MEASURED ? f->reason : NULL);
     for (size_t i = 0; i < FIGURES; i++)
         bb_table_set_number(table, row, &figures[i].column,
                             *(const double *)(const void *)((const char *)f + figures[i].offset));
+    for (uint32_t i = 0; i < points->simt_count; i++)
+        if (isfinite(f->simulated[i].mrays_s)) {
+            cell.names[BB_MAKER] = points->simts[i].name;
+            bb_simulated_put(table, bb_table_row(table, cell), &f->simulated[i]);
+        }
+    return row;
 }
 
-/* Returns false if the row has no outcome. */
-static bool get_figures(const bb_table *table, uint32_t row, bb_point_figures *f)
+/* Returns false if the cell has no outcome. */
+static bool get_figures(const bb_table *table, bb_cell cell, const bb_points *points,
+                        bb_point_figures *f)
 {
+    const uint32_t row = bb_table_find(table, cell);
     const char *word = bb_table_get_text(table, row, outcome.name);
     *f = bb_no_figures(BB_NOT_MEASURED);
     for (uint32_t i = 0; i < BB_OUTCOMES; i++)
@@ -66,6 +77,10 @@ static bool get_figures(const bb_table *table, uint32_t row, bb_point_figures *f
     for (size_t i = 0; i < FIGURES; i++)
         *(double *)(void *)((char *)f + figures[i].offset) =
             bb_table_get_number(table, row, figures[i].column.name);
+    for (uint32_t i = 0; i < points->simt_count; i++) {
+        cell.names[BB_MAKER] = points->simts[i].name;
+        bb_simulated_get(table, bb_table_find(table, cell), &f->simulated[i]);
+    }
     return f->outcome != BB_NOT_MEASURED;
 }
 
@@ -92,9 +107,8 @@ bb_status bb_point_write(const bb_point_work *work, const bb_device *device)
         bb_axis_value(work->wishes[i].x, value);
         for (uint32_t m = 0; m < p->method_count; m++)
             if (work->wishes[i].wanted[m])
-                bb_figures_put(
-                    table, bb_table_row(table, bb_method_row(&p->methods[m], p->axis->name, value)),
-                    &work->wishes[i].figures[m]);
+                bb_figures_put(table, bb_method_row(&p->methods[m], p->axis->name, value), p,
+                               &work->wishes[i].figures[m]);
     }
     bb_status status = bb_table_write(table, work->path);
     bb_table_free(table);
@@ -110,7 +124,7 @@ static bool read_values(const bb_point_work *work, const bb_table *table)
         for (uint32_t m = 0; m < p->method_count; m++) {
             const bb_cell cell = bb_method_row(&p->methods[m], p->axis->name, value);
             if (work->wishes[i].wanted[m] &&
-                !get_figures(table, bb_table_find(table, cell), &work->wishes[i].figures[m]))
+                !get_figures(table, cell, p, &work->wishes[i].figures[m]))
                 return false;
         }
     }

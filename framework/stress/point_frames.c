@@ -72,6 +72,22 @@ static void read_frames(const bb_animate_result *result, const bb_animate_method
     f->tests = rays > 0 && sets == (1u << result->ray_count) - 1u ? tests / rays : NAN;
 }
 
+/* Sums over the sets that the last frame has. */
+static void read_simulations(const bb_animate_result *result, const bb_animate_method *method,
+                             uint32_t kernel, bb_point_figures *f)
+{
+    const uint32_t last = result->frame_count - 1;
+    for (uint32_t i = 0; i < result->simulation_count; i++) {
+        bb_simulated_sets sets = {.count = 0};
+        for (uint32_t set = 0; set < result->ray_count; set++) {
+            const bb_simulation *s = bb_animate_simulation(result, method, last, kernel, set, i);
+            if (s != NULL)
+                bb_simulated_add(&sets, result->states[last].rays[set], s);
+        }
+        f->simulated[i] = bb_simulated_sum(&sets);
+    }
+}
+
 static void read_answers(const bb_animate_method *method, uint32_t kernel, bb_point_figures *f)
 {
     f->wrong = f->checked = f->overflowed = 0;
@@ -97,6 +113,7 @@ static void read_method(const bb_animate_result *result, bb_method_part part, ui
     } else {
         f->outcome = BB_MEASURED;
         read_frames(result, method, kernel, f);
+        read_simulations(result, method, kernel, f);
     }
     if (method->done > 0)
         read_answers(method, kernel, f);
@@ -135,6 +152,8 @@ static bb_status run(const bb_points *points, bb_device *device, const bb_point_
         .repeats = points->repeats,
         .seed = points->seed,
         .counting = true,
+        .simts = points->simts,
+        .simt_count = points->simt_count,
         .quiet = true,
     };
     BB_TRY(bb_scene_load(asked->scene, &scene));

@@ -47,7 +47,10 @@ void bb_point_end(bb_point_figures *figures, bb_outcome outcome, const char *rea
 
 /* Returns the cell of a method at a value of an axis. `axis` and `value` may be NULL. */
 bb_cell bb_method_row(const bb_method *method, const char *axis, const char *value);
-void bb_figures_put(bb_table *table, uint32_t row, const bb_point_figures *figures);
+/* Puts figures into the row of a cell, and each simulation into one with its name as the maker.
+ * Returns the cell's row. */
+uint32_t bb_figures_put(bb_table *table, bb_cell cell, const bb_points *points,
+                        const bb_point_figures *figures);
 
 /* Writes the file, a table with a row for each wish and method. `device` may be NULL. */
 bb_status bb_point_write(const bb_point_work *work, const bb_device *device);

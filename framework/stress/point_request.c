@@ -84,6 +84,8 @@ bb_status bb_point_request_make(const bb_points *points, double x, const bool *w
         .width = side,
         .height = side,
         .max_rays = points->max_rays,
+        .metrics = points->metrics,
+        .metric_count = points->simt_count,
         .max_views = 1,
         .repeats = points->repeats,
         .seed = points->seed,

@@ -41,6 +41,9 @@ bb_points bb_stress_points(const bb_stress_request *r, const bb_axis *axis)
                        .max_rays = max_rays(r),
                        .repeats = repeats(r),
                        .seed = r->seed,
+                       .metrics = r->metrics,
+                       .simts = r->simts,
+                       .simt_count = r->simt_count,
                        .limits = r->limits,
                        .open_device = r->open_device,
                        .user = r->user};

@@ -19,6 +19,9 @@ typedef struct bb_stress_request {
     bool quick; /* small scenes, few rays and values; times are not judged */
     bool pictures;
     uint64_t seed;
+    char *const *metrics; /* simulations of all traces, and the same, read */
+    const bb_simt *simts;
+    uint32_t simt_count;
     bb_child_limits limits; /* for one value of an axis */
     const char *folder;     /* must exist; points are kept in its folder `points` */
     uint64_t identity;      /* bb_points.identity */

@@ -47,6 +47,19 @@ for (const part of values('pick-part'))
     }
   }
 
+/* What is simulated, of two devices, has charts of its own. */
+choose('pick-part', 'builder');
+choose('pick-axis', 'overlaid-edges');
+expect(values('pick-simulation').join() === 'simt:device=h100,width=32,simt:device=rx7900xtx,width=32', values('pick-simulation').join());
+const bounds = values('pick-simulation').map(name => {
+  choose('pick-simulation', name);
+  const set = Chart.getChart('chart-simt').data.datasets.find(s => s.label === 'lbvh');
+  expect(set && set.data.every(p => p.y > 0), `${name}: no bound`);
+  expect(Chart.getChart('chart-efficiency').data.datasets.every(s => s.data.every(p => p.y > 0 && p.y <= 1)), `${name}: efficiency`);
+  return set.data[0].y;
+});
+expect(bounds[0] !== bounds[1], 'the devices have one bound');
+
 /* A method is hidden, and comes back. */
 $('legend').querySelector('button').click();
 expect(Chart.getChart('chart-trace').data.datasets.length === 1, 'one is hidden');

@@ -1,7 +1,7 @@
 /* The atlas: a table of thresholds, axis by method, and the figures along an axis. All text of the figures goes through textContent. */
 const read = id => JSON.parse(document.getElementById(id).textContent);
 
-/* The table's rows: the run, methods, axes, values of axes, failures. */
+/* The table's rows: the run, methods, axes, values of axes and what is simulated there, failures. */
 function atlasOf(rows) {
   const nameOf = row => row.builder ?? row.intersector, run = rows.find(r => !nameOf(r) && !r.question);
   const methods = rows.filter(r => r.part).map(r => ({ part: r.part, name: nameOf(r) }));
@@ -9,18 +9,21 @@ function atlasOf(rows) {
   const axes = rows.filter(r => r.title).map(axis => ({ ...axis, name: axis.question, values: [], thresholds: [] }));
   for (const row of rows.filter(r => r.question && nameOf(r))) {
     const axis = axes.find(a => a.name === row.question);
-    if (row.maker) {
+    if (row.maker && row.word) {
       axis.thresholds.push({ ...row, method: index(row), manner: row.maker });
-      continue;
+    } else if (row.maker) {
+      axis.values.find(v => v.frame === row.frame).methods[index(row)].simulated[row.maker] = row;
+    } else {
+      if (!axis.values.some(v => v.x === row.x)) axis.values.push({ x: row.x, frame: row.frame, methods: [] });
+      axis.values.find(v => v.x === row.x).methods[index(row)] = { ...row, simulated: {} };
     }
-    if (!axis.values.some(v => v.x === row.x)) axis.values.push({ x: row.x, methods: [] });
-    axis.values.find(v => v.x === row.x).methods[index(row)] = row;
   }
   return { run, methods, axes };
 }
 
 const atlas = atlasOf(read('data').rows), run = atlas.run, pictures = read('pictures');
 const parts = { builder: 'Builders', kernel: 'Kernels', intersector: 'Intersectors' };
+const simulations = [...new Set(atlas.axes.flatMap(a => a.values.flatMap(v => v.methods.flatMap(m => Object.keys(m.simulated)))))];
 const charts = {}, hidden = new Set();
 
 function brief(value) {
@@ -72,12 +75,15 @@ function showTable() {
 const colour = (index, count) => `hsl(${Math.round(360 * index / count)} 65% ${matchMedia('(prefers-color-scheme: dark)').matches ? 65 : 38}%)`;
 const theme = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
-const units = { wrong: 'wrong rays per million', trace: 'ns per ray', metric: 'metric of the tree (no unit)', build: 'ns per primitive' };
+const units = { wrong: 'wrong rays per million', trace: 'ns per ray', metric: 'metric of the tree (no unit)', build: 'ns per primitive',
+                simt: 'Mrays/s, simulated', efficiency: 'active lanes per lane issued, simulated' };
 const figures = {
   wrong: f => isNumber(f.wrong) && f.checked > 0 ? Math.max(1e6 * f.wrong / f.checked, 0) : NaN,
   trace: f => 1e6 * f.trace_ms / f.rays,
   metric: f => f.metric,
   build: f => 1e6 * f.build_ms / f.prims,
+  simt: f => f.simulated[$('pick-simulation').value]?.simt_mrays_s,
+  efficiency: f => f.simulated[$('pick-simulation').value]?.simt_efficiency,
 };
 
 /* A logarithmic axis has no place for 0: what lies there stands beside the least value. */
@@ -161,7 +167,7 @@ function showAxis() {
   }
   showFailures(axis, methods);
   showLegend(methods);
-  for (const id of Object.keys(figures)) drawOne(id, axis, methods);
+  for (const id of Object.keys(figures)) if (!$(`chart-${id}`).closest('[hidden]')) drawOne(id, axis, methods);
 }
 
 /* ---- the page ---- */
@@ -186,7 +192,9 @@ function start() {
   const facts = ['date', 'revision', 'host', 'cpu', 'device', 'driver', 'build_flags', 'seed', 'command'];
   $('context').replaceChildren(...facts.filter(name => (run[name] ?? '') !== '').map(name =>
     el('div', {}, el('dt', {}, name), el('dd', {}, String(run[name])))));
-  for (const id of ['pick-part', 'pick-manner', 'pick-axis'])
+  fill('pick-simulation', simulations.map(name => [name, name]));
+  $('simulated').hidden = simulations.length === 0;
+  for (const id of ['pick-part', 'pick-manner', 'pick-axis', 'pick-simulation'])
     $(id).addEventListener('change', () => { showTable(); showAxis(); });
   if (atlas.axes.length === 0) return;
   showTable();
