@@ -80,12 +80,19 @@ static inline void add_two_builders(bb_results *results)
     add_build(results, cubic, "lbvh", 8, 1);
 }
 
-static inline void add_trace_of(bb_results *results, uint32_t build, const char *kernel,
-                                const char *view, const char *rays, double ms, double boxes)
+/* `simulated`: bounds on Mrays/s of so many simulations, "simt:0", "simt:1" ... */
+static inline void add_simulated_trace(bb_results *results, uint32_t build, const char *kernel,
+                                       const char *view, const char *rays, double ms, double boxes,
+                                       const double *simulated, uint32_t simulations)
 {
     const bb_entry *entry = results->entries[build];
     bb_trace_record record;
     bb_trace_record_init(&record);
+    for (uint32_t i = 0; i < simulations; i++) {
+        snprintf(record.simulated[i].name, sizeof record.simulated[i].name, "simt:%u", i);
+        record.simulated[i].simulation.mrays_s = simulated[i];
+    }
+    record.simulated_count = simulations;
     record.query = &bb_query_closest;
     snprintf(record.scene, sizeof record.scene, "%s", bb_get_text(entry, BB_F_BUILD_SCENE));
     snprintf(record.builder, sizeof record.builder, "%s", bb_get_text(entry, BB_F_BUILD_BUILDER));
@@ -98,6 +105,12 @@ static inline void add_trace_of(bb_results *results, uint32_t build, const char 
     record.prim_tests_per_ray = 1;
     add_rounds(&record.ms, ms);
     assert_int_equal(bb_results_add_trace(results, &record), BB_OK);
+}
+
+static inline void add_trace_of(bb_results *results, uint32_t build, const char *kernel,
+                                const char *view, const char *rays, double ms, double boxes)
+{
+    add_simulated_trace(results, build, kernel, view, rays, ms, boxes, NULL, 0);
 }
 
 static inline void add_trace_by(bb_results *results, uint32_t build, const char *kernel,

@@ -274,6 +274,68 @@ static void tests_of_claims_decide(void **state)
     bb_results_destroy(results);
 }
 
+/* Claims on times are judged by each simulation, too: by its times alone, and never in place of
+ * what was measured. */
+static void times_are_judged_by_simulations(void **state)
+{
+    (void)state;
+    static const bb_figure trace = {.what = "trace_ms", .builder = "emc", .base = "lbvh"},
+                           sah = {.what = "sah", .builder = "emc", .base = "lbvh"},
+                           both = {.what = "build_ms+trace_ms", .builder = "emc"};
+    const bb_paper_claim claims[] = {
+        {.text = "traces faster",
+         .paper = "",
+         .figures = {&trace},
+         .tests = {{.side = BB_BELOW, .bound = 1, .claimed = 0.25}},
+         .ours = {{.text = "{0}"}}},
+        {.text = "costs less", .paper = "", .figures = {&sah}, .tests = {{.side = BB_BELOW}}},
+        {.text = "takes no time",
+         .paper = "",
+         .figures = {&both},
+         .tests = {{.side = BB_BELOW, .bound = 1e-9}}},
+        {.text = NULL}};
+    const bb_paper_table tables[] = {{.title = NULL}};
+    const bb_paper paper = {.name = "made-up", .title = "", .tables = tables, .claims = {claims}};
+    bb_results *results = new_results();
+    const uint32_t emc = add_build(results, flat, "emc", 2, 1);
+    const uint32_t lbvh = add_build(results, flat, "lbvh", 1, 1);
+    /* measured 16 ms to 4; 2 views: by the first 1000 / 4 + 1000 / 12 us to 1000 + 1000 / 3, a
+     * quarter; by the second 3 / 2 */
+    add_simulated_trace(results, emc, "stack", "front", "diffuse", 8, 1, (double[]){4, 1}, 2);
+    add_simulated_trace(results, emc, "stack", "back", "diffuse", 8, 1, (double[]){12, 2}, 2);
+    add_simulated_trace(results, lbvh, "stack", "front", "diffuse", 2, 1, (double[]){1, 2}, 2);
+    add_simulated_trace(results, lbvh, "stack", "back", "diffuse", 2, 1, (double[]){3, 2}, 2);
+    bb_findings f = findings_of(results, 0);
+    f.scene_count = 1;
+    bool timed;
+    const bb_figure alone = {.what = "trace_ms", .builder = "emc"};
+    const bb_paper_place at = {.all = &f, .scene = flat, .view = -1, .simulated = 1};
+    const double ms = bb_figure_at(at, &alone, &timed).value;
+    assert_true(!timed && fabs(ms - (1.0 / 4 + 1.0 / 12)) < 1e-12);
+    ASSERT_OK(bb_reproduction_add(&paper, &f, results));
+    const cJSON *r =
+        cJSON_GetArrayItem(cJSON_GetObjectItem(document_of(results), "reproductions"), 0);
+    assert_int_equal(cJSON_GetArraySize(cJSON_GetObjectItem(r, "claims")), 3 + 2);
+    const cJSON *measured = claim_of(r, "traces faster");
+    assert_string_equal(json_text(measured, "simulated"), "");
+    assert_string_equal(json_text(measured, "verdict"), "cannot be told: too few rounds");
+    assert_string_equal(json_text(claim_of(r, "simt:0: traces faster"), "simulated"), "simt:0");
+    assert_string_equal(verdict_with(r, "simt:0: traces faster"), "held");
+    assert_string_equal(json_text(claim_of(r, "simt:0: traces faster"), "ours"), "0.250");
+    assert_string_equal(verdict_with(r, "simt:1: traces faster"), "not held");
+    assert_string_equal(json_text(claim_of(r, "simt:1: traces faster"), "ours"), "1.500");
+
+    char *text = NULL;
+    size_t size = 0;
+    FILE *file = open_memstream(&text, &size);
+    ASSERT_OK(bb_reproduction_print(results, file));
+    fclose(file);
+    assert_non_null(strstr(text, "claims: 0 held"));
+    assert_non_null(strstr(text, "neither measured nor validated: 1 held"));
+    free(text);
+    bb_results_destroy(results);
+}
+
 static void claims_follow_the_figures(void **state)
 {
     (void)state;
@@ -530,6 +592,8 @@ static void bad_input_is_refused(void **state)
         {"emc --quick --repeats 3", "--quick"},
         {"emc --scene nowhere.glb --quick", "nowhere.glb"},
         {"emc --speed", "--speed"},
+        {"emc --metrics sah", "only simt"},
+        {"emc --metrics simt:device=abacus", "abacus"},
         {"volume --quick --scene cube", "--scene cube is no volume"},
     };
     const char *folder = sample_folder("reproduce");
@@ -555,6 +619,7 @@ int main(void)
         cmocka_unit_test(means_leave_out_what_is_missing),
         cmocka_unit_test(texts_have_figures),
         cmocka_unit_test(tests_of_claims_decide),
+        cmocka_unit_test(times_are_judged_by_simulations),
         cmocka_unit_test(claims_follow_the_figures),
         cmocka_unit_test(tables_have_both_sides),
         cmocka_unit_test(reproductions_survive_the_file_and_merging),

@@ -18,7 +18,7 @@ typedef struct wanted {
     bb_device_choice device;
     bb_reproduce_request request;
     bb_bystanders watch; /* of its contests */
-    bb_names scenes;
+    bb_names scenes, metrics;
     const char *folder, *history, *time;
     uint32_t charts;
     double ends_ms;        /* bb_wall_ms() when the time is over; 0: never */
@@ -41,6 +41,10 @@ static const bb_cli_option options[] = {
     {"full-size", NULL,
      "pictures and slices of the papers' sizes (2160^2 and 1024^2; 999^2): hours",
      BB_INTO(wanted, request.full_size), .apart = "quick"},
+    {"metrics", "M",
+     "simulations of traces, such as simt:device=h100,width=32: claims on times are judged by them "
+     "once more",
+     BB_INTO(wanted, metrics)},
     BB_TIME_OPTION(wanted, time,
                    "end with what was measured by then, such as 90s, 5min or 1.5h; `all` begins no "
                    "paper later"),
@@ -115,6 +119,8 @@ static bb_status identify(const bb_cli *cli, const wanted *w, uint64_t *own)
     bb_identity *identity = bb_identity_begin();
     bb_identity_add_choice(identity, cli, &w->device);
     bb_identity_add(identity, asked, sizeof asked);
+    for (size_t i = 0; i < w->metrics.count; i++)
+        bb_identity_add_text(identity, w->metrics.items[i]);
     bb_identity_add_text(identity, device->name);
     bb_identity_add_text(identity, device->driver);
     bb_device_close(device);
@@ -285,6 +291,9 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
     wanted *w = values;
     bb_reproduce_request *request = &w->request;
     BB_TRY(bb_time_option(w->time, &w->ends_ms));
+    BB_TRY(bb_choose_simulations(&w->metrics));
+    request->metrics = w->metrics.items;
+    request->metric_count = (uint32_t)w->metrics.count;
     BB_TRY(bb_charts_decide(&w->charts));
     BB_TRY(bb_load_plugins(&w->device.plugins));
     if (cli->positional_count != 1)

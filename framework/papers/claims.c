@@ -180,6 +180,20 @@ static void say(const trial *t, const bb_saying *sayings, bool why, bb_words *wo
 
 /* ---- claims ---- */
 
+/* Whether a test of the claim is on a time that can be simulated. */
+static bool can_be_simulated(const bb_paper_claim *claim)
+{
+    char columns[256];
+    bool can = false;
+    for (uint32_t i = 0; i < count_of(claim); i++) {
+        const bb_figure *figure = claim->figures[claim->tests[i].figure];
+        can = can || bb_simulated_columns(figure->what, 0, columns) ||
+              (figure->per != NULL && bb_simulated_columns(figure->per, 0, columns));
+    }
+    return can;
+}
+
+/* Judges the claim by what was measured, or by a simulation, if it has what the claim is about. */
 static void add_claim(const bb_paper_claim *claim, bb_paper_place at, bb_reproduction *r)
 {
     bb_words text = {0};
@@ -187,20 +201,25 @@ static void add_claim(const bb_paper_claim *claim, bb_paper_place at, bb_reprodu
     trial t = {claim, at, BB_NOT_TESTED, &said.claimed};
     if (claim->figures[0] != NULL)
         said.verdict = t.verdict = run_tests(&t);
+    if (at.simulated > 0 && said.verdict == BB_NOT_TESTED)
+        return;
     if (at.row == NULL || !bb_say_missing(at.row->builder, &said.why)) {
         say(&t, claim->ours, false, &said.ours);
         say(&t, claim->why, true, &said.why);
     }
-    if (claim->judge != NULL)
+    if (claim->judge != NULL && at.simulated == 0)
         claim->judge(at, &said);
     bb_say_text(&text, claim->text, at, claim->figures);
-    bb_claim(r, text.text, claim->paper, &said);
+    bb_claim(r, text.text, claim->paper, at.simulated, &said);
 }
 
-void bb_paper_add_claims(const bb_paper_claim *claims, const bb_findings *all, bb_reproduction *r)
+void bb_paper_add_claims(const bb_paper_claim *claims, const bb_findings *all, uint32_t simulated,
+                         bb_reproduction *r)
 {
     for (const bb_paper_claim *claim = claims; claim != NULL && claim->text != NULL; claim++) {
-        bb_paper_place at = {.all = &all[claim->of], .view = -1};
+        bb_paper_place at = {.all = &all[claim->of], .view = -1, .simulated = simulated};
+        if (simulated > 0 && !can_be_simulated(claim))
+            continue;
         if (claim->rows == NULL || claim->together)
             add_claim(claim, at, r);
         for (uint32_t i = 0; claim->rows != NULL && !claim->together; i++) {

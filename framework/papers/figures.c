@@ -31,6 +31,14 @@ static bb_cell cell_of(const bb_paper_place *at, const bb_figure *figure, const 
                       [BB_FRAME] = view}};
 }
 
+static bb_found find_there(const bb_paper_place *at, int of, const bb_cell *cell,
+                           const char *columns)
+{
+    char own[256];
+    bb_simulated_columns(columns, at->simulated, own);
+    return bb_find(&at->all[of], cell, own);
+}
+
 /* The one of {...} whose build and traces take the least time. */
 static void choose(const bb_paper_place *at, const bb_figure *figure, const char *kernel,
                    char out[256], char chosen[32])
@@ -44,7 +52,7 @@ static void choose(const bb_paper_place *at, const bb_figure *figure, const char
         const int length = (int)strcspn(item, ",}");
         snprintf(one, sizeof one, "%.*s%.*s%s", (int)(begin - out), out, length, item, end + 1);
         const bb_cell cell = cell_of(at, figure, one, kernel, NULL);
-        const double ms = bb_find(&at->all[figure->of], &cell, "build_ms+trace_ms").number;
+        const double ms = find_there(at, figure->of, &cell, "build_ms+trace_ms").number;
         if (ms < least || best[0] == '\0') {
             least = isnan(ms) ? INFINITY : ms;
             snprintf(best, sizeof best, "%s", one);
@@ -95,10 +103,10 @@ static bb_found find(const bb_paper_place *at, const bb_figure *figure, int of, 
     const char *view = at->view >= 0 ? bb_view_name(f, at->scene, at->view) : NULL;
     bb_figure_builder(at, figure, builder, kernel, name, chosen);
     const bb_cell cell = cell_of(at, figure, name, kernel, view);
-    const bb_found found = bb_find(f, &cell, figure->what);
+    const bb_found found = find_there(at, of, &cell, figure->what);
     if (figure->per == NULL)
         return found;
-    const bb_found per = bb_find(f, &cell, figure->per);
+    const bb_found per = find_there(at, of, &cell, figure->per);
     return divide(&found, &per, !figure->unpaired);
 }
 

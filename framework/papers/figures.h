@@ -50,9 +50,15 @@ typedef struct bb_found {
 } bb_found;
 
 /* The value of all rows that fit: a name that is NULL, or that the row lacks, fits. `columns`: of
- * one, or the sum of several, "build_ms+trace_ms". Of several rows rounds and rays are summed up,
- * and other numbers are the mean over the rays. */
+ * one, or the sum of several, "build_ms+trace_ms". Of several rows rounds, rays and simulated times
+ * are summed up, and other numbers are the mean over the rays. */
 bb_found bb_find(const bb_findings *f, const bb_cell *cell, const char *columns);
+
+/* Times that are simulated: "trace_ms" of simulation number 1 is in column "simulated1_trace_ms",
+ * without rounds. Makes `out` of columns for bb_find(); returns whether one of them is such a time.
+ */
+#define BB_SIMULATED_TIME "simulated%u_%s"
+bool bb_simulated_columns(const char *columns, uint32_t simulation, char out[256]);
 
 /* Adds `more` to `sum` round by round; false if the rounds differ. */
 bool bb_add_rounds(bb_samples *sum, const bb_samples *more);
@@ -75,6 +81,7 @@ typedef struct bb_paper_place {
     const bb_paper_entrant *row; /* NULL: no row */
     const char *scene;           /* NULL: all, and their mean */
     int view;                    /* of the scene, by number; -1: all of them */
+    uint32_t simulated;          /* times are those of this simulation, from 1 on; 0: measured */
 } bb_paper_place;
 
 typedef enum bb_paper_mean {

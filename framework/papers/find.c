@@ -28,7 +28,7 @@ bool bb_add_rounds(bb_samples *sum, const bb_samples *more)
 /* Of the rows that fit. */
 typedef struct sum {
     bb_samples rounds;
-    double numbers, rays, weights;
+    double sum, numbers, rays, weights;
     bool uneven; /* not all have the same rounds */
 } sum;
 
@@ -45,9 +45,16 @@ static void add_row(const bb_table *table, uint32_t row, const char *column, sum
         s->uneven = !bb_add_rounds(&s->rounds, &copy) || s->uneven;
     }
     const double weight = isnan(rays) ? 1 : rays;
+    s->sum += number;
     s->numbers += weight * number;
     s->weights += weight;
     s->rays += isnan(rays) ? 0 : rays;
+}
+
+static bool is_simulated(const char *column)
+{
+    static const char prefix[] = BB_SIMULATED_TIME;
+    return strncmp(column, prefix, strcspn(prefix, "%")) == 0;
 }
 
 static bb_found find_column(const bb_findings *f, const bb_cell *cell, const char *column)
@@ -63,8 +70,30 @@ static bb_found find_column(const bb_findings *f, const bb_cell *cell, const cha
     found.rounds = s.rounds;
     found.number = s.rounds.count > 0            ? bb_samples_median(&s.rounds)
                    : strcmp(column, "rays") == 0 ? s.rays
+                   : is_simulated(column)        ? s.sum
                                                  : s.numbers / s.weights;
     return found;
+}
+
+bool bb_simulated_columns(const char *columns, uint32_t simulation, char out[256])
+{
+    bool any = false;
+    out[0] = '\0';
+    for (const char *at = columns; at != NULL; at = strchr(at, '+')) {
+        char column[64];
+        const size_t used = strlen(out);
+        at += *at == '+';
+        snprintf(column, sizeof column, "%.*s", (int)strcspn(at, "+"), at);
+        const bool own = strcmp(column, "trace_ms") == 0 || strcmp(column, "build_ms") == 0 ||
+                         strcmp(column, "answer_ms") == 0;
+        any = any || own;
+        snprintf(out + used, 256 - used, "%s", used > 0 ? "+" : "");
+        if (own && simulation > 0)
+            snprintf(out + strlen(out), 256 - strlen(out), BB_SIMULATED_TIME, simulation, column);
+        else
+            snprintf(out + strlen(out), 256 - strlen(out), "%s", column);
+    }
+    return any;
 }
 
 bb_found bb_find(const bb_findings *f, const bb_cell *cell, const char *columns)

@@ -63,7 +63,7 @@ static void add_build(bb_table *table, const bb_entry *build)
     }
 }
 
-static void add_trace(bb_table *table, const bb_entry *trace)
+static uint32_t add_trace(bb_table *table, const bb_entry *trace)
 {
     bb_samples rounds;
     const bb_cell cell = {{[BB_SCENE] = bb_get_text(trace, BB_F_TRACE_SCENE),
@@ -80,6 +80,23 @@ static void add_trace(bb_table *table, const bb_entry *trace)
                             bb_get_number(trace, BB_F_TRACE_PRIM_TESTS));
     if (bb_get_samples(trace, BB_F_TRACE_MS, &rounds))
         bb_table_set_rounds(table, row, &trace_ms, &rounds);
+    return row;
+}
+
+/* The columns of simulated times, by simulation. */
+static const bb_column simulated_trace[BB_SIMT_MAX] = {
+    BB_FOUND_NUMBER("simulated1_trace_ms", "Simulated, neither measured nor validated."),
+    BB_FOUND_NUMBER("simulated2_trace_ms", "Likewise, of the second simulation."),
+    BB_FOUND_NUMBER("simulated3_trace_ms", "Likewise, of the third."),
+    BB_FOUND_NUMBER("simulated4_trace_ms", "Likewise, of the fourth.")};
+
+static void add_simulations(const bb_entry *trace, const char *const *names, uint32_t count,
+                            bb_table *table, uint32_t row)
+{
+    for (uint32_t i = 0; i < count; i++)
+        bb_table_set_number(table, row, &simulated_trace[i],
+                            bb_get_number(trace, BB_F_TRACE_COUNT) / 1e3 /
+                                bb_get_named(trace, BB_F_SIMT_RATE, names[i]));
 }
 
 static bool is_of(const bb_entry *entry, uint32_t run)
@@ -92,7 +109,9 @@ bb_status bb_paper_measured(const bb_results *results, uint32_t run, bb_table *t
     bb_each(scene, bb_results_section(results, BB_SCENES)) add_scene(table, scene);
     bb_each(build, bb_results_section(results, BB_BUILDS)) if (is_of(build, run))
         add_build(table, build);
+    const char *names[BB_SIMT_MAX];
+    const uint32_t simulations = bb_results_simulations(results, names);
     bb_each(trace, bb_results_section(results, BB_TRACES)) if (is_of(trace, run))
-        add_trace(table, trace);
+        add_simulations(trace, names, simulations, table, add_trace(table, trace));
     return bb_table_status(table);
 }

@@ -174,6 +174,8 @@ static bb_status make_plan(const bb_reproduce_request *request, const bb_experim
         .max_rays = request->quick ? QUICK_RAYS : e->max_rays,
         .max_views = e->max_views,
         .repeats = request->quick ? 2 : repeats,
+        .metrics = request->metrics,
+        .metric_count = request->metric_count,
         .seed = request->seed,
         .quiet = request->quiet,
     };

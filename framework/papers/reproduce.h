@@ -69,7 +69,9 @@ struct bb_reproduce_request {
     bool quick;       /* small scenes, few rays, two rounds: shows that it works, measures little */
     bool full_size;   /* pictures and slices of the paper's size */
     uint32_t repeats; /* 0: as the experiments say */
-    uint64_t max_prims; /* the largest '#' */
+    uint64_t max_prims;   /* the largest '#' */
+    char *const *metrics; /* simulations, by which claims on times are judged once more */
+    uint32_t metric_count;
     uint64_t seed;
     bool quiet;
     bb_audit *audit;      /* gets all timings of measure(); NULL: none is asked for */
@@ -113,7 +115,9 @@ bb_status bb_paper_add_scene(bb_findings *f, const char *name);
 
 /* Fills tables and judges claims. */
 void bb_paper_add_tables(const bb_paper_table *tables, const bb_findings *all, bb_reproduction *r);
-void bb_paper_add_claims(const bb_paper_claim *claims, const bb_findings *all, bb_reproduction *r);
+/* `simulated`: as in bb_paper_place; then only claims on times that it has. */
+void bb_paper_add_claims(const bb_paper_claim *claims, const bb_findings *all, uint32_t simulated,
+                         bb_reproduction *r);
 
 /* ---- for papers: tables and claims ---- */
 
@@ -127,8 +131,9 @@ void bb_paper_text(bb_reproduction *r, const char *text);
 /* Rounded to so many decimals; NAN becomes an empty cell. */
 void bb_paper_number(bb_reproduction *r, double value, int decimals);
 
-/* Adds a claim: the paper's statement, shortened; the paper's figures ("" for none); and what is
- * said of it here. */
-void bb_claim(bb_reproduction *r, const char *claim, const char *paper, const bb_said *said);
+/* Adds a claim: the paper's statement, shortened; the paper's figures ("" for none); by which
+ * simulation it was judged (0: by what was measured); and what is said of it here. */
+void bb_claim(bb_reproduction *r, const char *claim, const char *paper, uint32_t simulated,
+              const bb_said *said);
 
 #endif

@@ -8,8 +8,9 @@
 struct bb_reproduction {
     bb_results *results;
     const char *paper;
-    bb_words title;               /* of the current table */
-    uint32_t tables, rows, cells; /* so far: of the paper, of the table, of the row */
+    const char *simulations[BB_SIMT_MAX]; /* their names */
+    bb_words title;                       /* of the current table */
+    uint32_t tables, rows, cells;         /* so far: of the paper, of the table, of the row */
     bb_status status;
 };
 
@@ -53,10 +54,13 @@ void bb_paper_number(bb_reproduction *r, double value, int decimals)
     put_cell(r, NULL, round(value * scale) / scale);
 }
 
-void bb_claim(bb_reproduction *r, const char *claim, const char *paper, const bb_said *said)
+void bb_claim(bb_reproduction *r, const char *claim, const char *paper, uint32_t simulated,
+              const bb_said *said)
 {
     const bool decided = said->verdict == BB_HELD || said->verdict == BB_NOT_HELD;
+    const char *by = simulated > 0 ? r->simulations[simulated - 1] : NULL;
     const bb_claim_record record = {.claim = claim,
+                                    .simulated = by,
                                     .verdict = bb_verdict_words(said->verdict),
                                     .paper = paper,
                                     .claimed = said->claimed.text,
@@ -72,8 +76,10 @@ bb_status bb_reproduction_add(const bb_paper *paper, const bb_findings *findings
     bb_reproduction r = {.results = results, .paper = paper->name};
     note(&r, bb_results_add_paper(results, paper->name, paper->title));
     bb_paper_add_tables(paper->tables, findings, &r);
-    for (int i = 0; i < 2; i++)
-        bb_paper_add_claims(paper->claims[i], findings, &r);
+    const uint32_t simulations = bb_results_simulations(results, r.simulations);
+    for (uint32_t by = 0; by <= simulations; by++)
+        for (int i = 0; i < 2; i++)
+            bb_paper_add_claims(paper->claims[i], findings, by, &r);
     return r.status;
 }
 
@@ -153,24 +159,47 @@ static void show_line(bb_page *page, const char *label, const char *text)
 static void show_claim(const bb_entry *claim, bb_page *page)
 {
     const char *verdict = bb_get_text(claim, BB_F_CLAIM_VERDICT);
+    const char *by = bb_get_text(claim, BB_F_CLAIM_SIMULATED);
     bb_page_heading(page, bb_get_text(claim, BB_F_CLAIM_CLAIM));
-    bb_page_say(page, "%s", kind_of(claim) == NOT_HELD ? "DID NOT HOLD" : verdict);
+    bb_page_say(page, "%s%s", by[0] != '\0' ? "simulated: " : "",
+                kind_of(claim) == NOT_HELD ? "DID NOT HOLD" : verdict);
     show_line(page, "paper", bb_get_text(claim, BB_F_CLAIM_PAPER));
     show_line(page, "figures", bb_get_text(claim, BB_F_CLAIM_CLAIMED));
     show_line(page, "here", bb_get_text(claim, BB_F_CLAIM_OURS));
     show_line(page, "why", bb_get_text(claim, BB_F_CLAIM_WHY));
 }
 
-static void show_claims(const bb_entry *paper, bb_page *page)
+static bool is_by(const bb_entry *claim, const char *simulation)
+{
+    return strcmp(bb_get_text(claim, BB_F_CLAIM_SIMULATED), simulation) == 0;
+}
+
+/* Those that were judged by this simulation; "": by what was measured. */
+static void show_claims(const bb_entry *paper, const char *simulation, bb_page *page)
 {
     int counts[KINDS] = {0};
-    bb_each_part(claim, paper, BB_F_CLAIM_VERDICT) counts[kind_of(claim)]++;
-    bb_page_say(page,
-                "claims: %d held (at the paper's own figure or beyond, less %g %%), %d in "
-                "direction only, %d did not hold, %d cannot be told here",
-                counts[HELD], 100 * BB_CLAIM_MARGIN, counts[DIRECTION], counts[NOT_HELD],
-                counts[UNTOLD]);
-    bb_each_part(claim, paper, BB_F_CLAIM_VERDICT) show_claim(claim, page);
+    bb_each_part(claim, paper, BB_F_CLAIM_VERDICT) if (is_by(claim, simulation))
+        counts[kind_of(claim)]++;
+    if (simulation[0] != '\0')
+        bb_page_heading(page, simulation);
+    bb_page_say(
+        page,
+        "%s: %d held (at the paper's own figure or beyond, less %g %%), %d in direction "
+        "only, %d did not hold, %d cannot be told here",
+        simulation[0] == '\0' ? "claims"
+                              : "claims on times, simulated, neither measured nor validated",
+        counts[HELD], 100 * BB_CLAIM_MARGIN, counts[DIRECTION], counts[NOT_HELD], counts[UNTOLD]);
+    bb_each_part(claim, paper, BB_F_CLAIM_VERDICT) if (is_by(claim, simulation))
+        show_claim(claim, page);
+}
+
+static void show_all_claims(const bb_results *results, const bb_entry *paper, bb_page *page)
+{
+    const char *simulations[BB_SIMT_MAX];
+    const uint32_t count = bb_results_simulations(results, simulations);
+    show_claims(paper, "", page);
+    for (uint32_t i = 0; i < count; i++)
+        show_claims(paper, simulations[i], page);
 }
 
 /* Where it was measured. */
@@ -196,7 +225,7 @@ void bb_reproduction_show(const bb_results *results, bb_page *page)
         show_here(results, page);
         for (const bb_entry *row = bb_first_part(paper, BB_F_TABLE_TITLE); row != NULL;)
             row = show_table(row, page);
-        show_claims(paper, page);
+        show_all_claims(results, paper, page);
     }
 }
 

@@ -145,7 +145,8 @@ typedef struct bb_claim_record {
     const char *claim, *verdict, *paper;
     const char *claimed; /* figures beside those measured; NULL or "": none */
     const char *ours, *why;
-    int held; /* 1, 0; -1: in direction only, or not decided */
+    int held;              /* 1, 0; -1: in direction only, or not decided */
+    const char *simulated; /* by which simulation it was judged; NULL: by what was measured */
 } bb_claim_record;
 
 /* Empty records: every figure "not measured", status ok. */

@@ -26,11 +26,15 @@ bb_status bb_results_add_claim(bb_results *results, const char *paper, const bb_
 {
     char run[16];
     bb_cell cell = paper_of(results, paper, run);
-    cell.names[BB_MAKER] = claim->claim;
+    char name[4200];
+    snprintf(name, sizeof name, "%s%s%s", claim->simulated != NULL ? claim->simulated : "",
+             claim->simulated != NULL ? ": " : "", claim->claim);
+    cell.names[BB_MAKER] = name;
     bb_entry *entry = bb_results_entry(results, cell);
     if (claim->held >= 0)
         bb_put_flag(entry, BB_F_CLAIM_HELD, claim->held == 1);
     bb_put_text(entry, BB_F_CLAIM_VERDICT, claim->verdict);
+    bb_put_text(entry, BB_F_CLAIM_SIMULATED, claim->simulated != NULL ? claim->simulated : "");
     bb_put_text(entry, BB_F_CLAIM_PAPER, claim->paper);
     bb_put_text(entry, BB_F_CLAIM_CLAIMED, claim->claimed);
     bb_put_text(entry, BB_F_CLAIM_OURS, claim->ours);
