@@ -66,6 +66,12 @@ static void figures_depend_on_nothing_else(void **state)
         const bool plain = strncmp(text_of(trace, "kernel"), "stack", 5) == 0;
         assert_int_equal(cJSON_GetArraySize(bounds), plain ? 2 : 0);
     }
+    cJSON_ArrayForEach(trace, cJSON_GetObjectItem(results, "builds"))
+    {
+        const cJSON *bounds = cJSON_GetObjectItem(trace, "simt_build_ms");
+        const bool ours = strstr(text_of(trace, "builder"), "embree") == NULL;
+        assert_int_equal(cJSON_GetArraySize(bounds), ours ? 2 : 0);
+    }
     cJSON_Delete(results);
 
     /* said to be simulated, and never ranked */
@@ -87,6 +93,12 @@ static void exact_figures_are_compared(void **state)
              folder, folder);
     assert_int_equal(system(command), 0);
     expect(1, "compare one worse.json", "simt_steps_per_ray");
+    snprintf(command, sizeof command,
+             "sed 's/\"simt_build_launches\":[0-9.]*/\"simt_build_launches\":9999/' "
+             "%s/one/results.json >%s/worse.json",
+             folder, folder);
+    assert_int_equal(system(command), 0);
+    expect(1, "compare one worse.json", "simt_build_launches");
 }
 
 static void what_is_no_device_is_refused(void **state)
@@ -153,6 +165,27 @@ static void other_intersectors_are_left_out(void **state)
     cJSON_Delete(results);
 }
 
+/* What is made on the host has no figures, rather than zeros. */
+static void builds_on_the_host_are_left_out(void **state)
+{
+    (void)state;
+    const outcome *o = run("run --scene soup:n=200 --builder lbvh,sah,lbvh+rotate --kernel stack "
+                           "--rays random --max-rays 500 --repeats 1 --no-pictures --charts no "
+                           "--metrics simt --out host");
+    assert_int_equal(o->exit_status, 0);
+    assert_non_null(strstr(o->err, "build not simulated: sah builds on the host"));
+    assert_non_null(strstr(o->err, "build not simulated: lbvh+rotate builds on the host"));
+    cJSON *results = read_results("host/results.json");
+    const cJSON *build;
+    cJSON_ArrayForEach(build, cJSON_GetObjectItem(results, "builds"))
+    {
+        const bool on_device = strcmp(text_of(build, "builder"), "lbvh") == 0;
+        assert_int_equal(cJSON_GetArraySize(cJSON_GetObjectItem(build, "simt_build_ms")),
+                         on_device);
+    }
+    cJSON_Delete(results);
+}
+
 static void divergence_is_drawn(void **state)
 {
     (void)state;
@@ -175,6 +208,7 @@ int main(void)
         cmocka_unit_test(exact_figures_are_compared),
         cmocka_unit_test(what_is_no_device_is_refused),
         cmocka_unit_test(other_intersectors_are_left_out),
+        cmocka_unit_test(builds_on_the_host_are_left_out),
         cmocka_unit_test(divergence_is_drawn),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);

@@ -313,6 +313,8 @@ static bb_status finish_builder(bb_bench *bench, bb_entrant *entrant, bool own)
     bb_resident *resident = entrant->resident;
     BB_TRY(bb_bench_tree(bench, entrant));
     BB_TRY(bb_bench_measure_tree(bench, entrant, own));
+    if (own)
+        BB_TRY(bb_bench_simulate_build(bench, entrant));
     if (resident->built && resident->instance.tree.place == BB_ON_DEVICE)
         bb_tree_drop_copy(&resident->instance.tree);
     bb_bench_make_layouts(bench, entrant);

@@ -190,6 +190,10 @@ bool bb_bench_is_apart(const bb_bench_request *request, uint32_t prims);
 uint32_t bb_bench_layout_of(const bb_bench *bench, uint32_t kernel,
                             const bb_intersector *intersector);
 
+/* Simulates the entrant's build, if the request asks for simulations (bench_simulated.c). What
+ * cannot be simulated is noted, and has no figures. */
+bb_status bb_bench_simulate_build(bb_bench *bench, bb_entrant *entrant);
+
 /* Returns whether traces by this kernel are simulated, and the index of the layout for that. */
 bool bb_bench_simulates(const bb_bench *bench, uint32_t kernel, const bb_intersector *intersector,
                         uint32_t *layout);

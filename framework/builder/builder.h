@@ -29,7 +29,7 @@ extern "C" {
 #endif
 
 /* Incremented whenever the layout or meaning of this header, or of a struct it uses, changes. */
-enum { BB_ABI_VERSION = 16 };
+enum { BB_ABI_VERSION = 17 };
 
 /* The inputs that a builder may declare. They are in place when the clock starts. Everything else
  * in the scene that the hooks get is zero, except kinds, counts and names. Views are withheld too,

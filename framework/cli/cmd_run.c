@@ -320,14 +320,13 @@ static void release(void *values)
 
 static void list_metrics(FILE *out)
 {
-    fputs("\nmetrics of trees for --metrics, and one of traces:\n", out);
+    fputs("\nmetrics of trees for --metrics, and one of traces and builds:\n", out);
     for (uint32_t i = 0; i < bb_metric_count(); i++)
         if (bb_metrics[i]->on_request)
             fprintf(out, "  %-14s %s\n", bb_metrics[i]->name, bb_metrics[i]->full_title);
-    fprintf(
-        out, "  %-14s %s\n", BB_SIMT,
-        "each trace, simulated on a GPU on paper, such as simt:device=h100,width=32; the default "
-        "kernels are then those for GPUs");
+    fprintf(out, "  %-14s %s\n", BB_SIMT,
+            "each trace and each build on the device, simulated on a GPU on paper, such as "
+            "simt:device=h100,width=32; the default kernels are then those for GPUs");
 }
 
 extern const bb_command bb_command_run;

@@ -268,8 +268,8 @@ static bb_status add_trace(const source *s, const char *key)
     return add_fields(s, s->row, of_traces, sizeof of_traces / sizeof of_traces[0], cell);
 }
 
-/* Parts that are cells: layouts of builds; simulations of traces, which have no time, and all of
- * which is exact. */
+/* Parts that are cells: layouts of builds; simulations of builds and traces, without a time, and
+ * all of which is exact. */
 typedef struct part_kind {
     const char *word; /* in the key */
     const char *time; /* what the rounds are called; "" for none */
@@ -282,12 +282,22 @@ static const bb_field_id of_simulations[] = {
 #define SIMT(id, member, name, unit, better, heading, help) BB_F_SIMT_##id,
 #include "framework/simulate/simt_figures.h"
 };
+static const bb_field_id of_simulated_builds[] = {
+#define SIMT_BUILD(id, member, name, unit, better, heading, help) BB_F_SIMT_BUILD_##id,
+#include "framework/simulate/simt_build_figures.h"
+};
 static const part_kind layouts = {"layout", "layout ms", BB_F_BUILD_LAYOUTS_MS, of_layouts,
                                   sizeof of_layouts / sizeof of_layouts[0]};
 static const part_kind simulations = {.word = "simulated",
                                       .time = "",
                                       .fields = of_simulations,
                                       .count = sizeof of_simulations / sizeof of_simulations[0]};
+
+static const part_kind simulated_builds = {.word = "simulated",
+                                           .time = "",
+                                           .fields = of_simulated_builds,
+                                           .count = sizeof of_simulated_builds /
+                                                    sizeof of_simulated_builds[0]};
 
 /* A part's cell has the key of its build or trace, `of`, with its own name behind it. */
 static bb_status add_part(const source *s, uint32_t of, const part_kind *kind)
@@ -306,6 +316,11 @@ static bb_status add_part(const source *s, uint32_t of, const part_kind *kind)
 static bool is_simulation(const source *s)
 {
     return isfinite(bb_table_get_number(s->table, s->row, bb_fields[BB_F_SIMT_STEPS].name));
+}
+
+static bool is_simulated_build(const source *s)
+{
+    return isfinite(bb_table_get_number(s->table, s->row, bb_fields[BB_F_SIMT_BUILD_MS].name));
 }
 
 static bool is_layout(const source *s)
@@ -330,9 +345,10 @@ static bb_status add_row_of_run(const source *s)
     if (key[0] == '\0' || strcmp(text_of(s, row, BB_F_BUILD_UNMEASURED), "yes") == 0)
         return BB_OK;
     if (part)
-        return is_layout(s)       ? add_part(s, row, &layouts)
-               : is_simulation(s) ? add_part(s, row, &simulations)
-                                  : BB_OK;
+        return is_layout(s)            ? add_part(s, row, &layouts)
+               : is_simulation(s)      ? add_part(s, row, &simulations)
+               : is_simulated_build(s) ? add_part(s, row, &simulated_builds)
+                                       : BB_OK;
     return bb_table_name(s->table, s->row, BB_QUESTION)[0] != '\0' ? add_trace(s, key)
                                                                    : add_build(s, key);
 }

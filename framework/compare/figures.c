@@ -45,6 +45,9 @@ bb_better bb_field_better(bb_field_id field)
     } simulated[] = {
 #define SIMT(id, member, name, unit, better, heading, help) {BB_F_SIMT_##id, BB_BETTER_##better},
 #include "framework/simulate/simt_figures.h"
+#define SIMT_BUILD(id, member, name, unit, better, heading, help)                                  \
+    {BB_F_SIMT_BUILD_##id, BB_BETTER_##better},
+#include "framework/simulate/simt_build_figures.h"
     };
     for (size_t i = 0; i < sizeof simulated / sizeof simulated[0]; i++)
         if (simulated[i].field == field)

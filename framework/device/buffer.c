@@ -2,6 +2,7 @@
 #include "framework/base/limits.h"
 #include "framework/device/cl_error.h"
 #include "framework/device/device_private.h"
+#include "framework/device/tally.h"
 
 #include <stdlib.h>
 #include <sys/mman.h>
@@ -102,6 +103,13 @@ void bb_buffer_release(bb_buffer *buffer)
     *buffer = (bb_buffer){0};
 }
 
+/* Tallies what is moved of the buffer. */
+static bb_status tally(const bb_buffer *buffer, size_t bytes)
+{
+    return bb_device_tallies(buffer->device) ? bb_tally_part(buffer->device, buffer->mem, bytes)
+                                             : BB_OK;
+}
+
 bb_status bb_buffer_write(bb_buffer *buffer, size_t offset, size_t bytes, const void *source)
 {
     if (bytes == 0)
@@ -110,7 +118,7 @@ bb_status bb_buffer_write(bb_buffer *buffer, size_t offset, size_t bytes, const 
     BB_CL_TRY(clEnqueueWriteBuffer(buffer->device->queue, buffer->mem, CL_TRUE, offset, bytes,
                                    source, 0, NULL, NULL),
               "writing %zu bytes to the device", bytes);
-    return BB_OK;
+    return tally(buffer, bytes);
 }
 
 bb_status bb_buffer_send(bb_buffer *buffer, size_t bytes, const void *source)
@@ -120,7 +128,7 @@ bb_status bb_buffer_send(bb_buffer *buffer, size_t bytes, const void *source)
     BB_CL_TRY(
         clEnqueueWriteBuffer(device->queue, buffer->mem, CL_FALSE, 0, bytes, source, 0, NULL, NULL),
         "sending %zu bytes to the device", bytes);
-    return BB_OK;
+    return tally(buffer, bytes);
 }
 
 bb_status bb_buffer_read(const bb_buffer *buffer, size_t offset, size_t bytes, void *target)
@@ -131,7 +139,7 @@ bb_status bb_buffer_read(const bb_buffer *buffer, size_t offset, size_t bytes, v
     BB_CL_TRY(clEnqueueReadBuffer(buffer->device->queue, buffer->mem, CL_TRUE, offset, bytes,
                                   target, 0, NULL, NULL),
               "reading %zu bytes from the device", bytes);
-    return BB_OK;
+    return tally(buffer, bytes);
 }
 
 bb_status bb_device_check(bb_device *device)
@@ -164,6 +172,7 @@ bb_status bb_buffer_fill(bb_buffer *buffer, size_t bytes, uint32_t pattern)
     cl_event event;
     if (bytes == 0)
         return BB_OK;
+    BB_TRY(tally(buffer, bytes));
     device->launches++;
     BB_CL_TRY(clEnqueueFillBuffer(device->queue, buffer->mem, &pattern, sizeof pattern, 0, bytes, 0,
                                   NULL, device->profile_events ? &event : NULL),
@@ -177,6 +186,8 @@ bb_status bb_buffer_copy(const bb_buffer *from, bb_buffer *to, size_t bytes)
     cl_event event;
     if (bytes == 0)
         return BB_OK;
+    BB_TRY(tally(from, bytes));
+    BB_TRY(tally(to, bytes));
     device->launches++;
     BB_CL_TRY(clEnqueueCopyBuffer(device->queue, from->mem, to->mem, 0, 0, bytes, 0, NULL,
                                   device->profile_events ? &event : NULL),
@@ -223,7 +234,7 @@ bb_status bb_buffer_map(const bb_buffer *buffer, bool write, void **pointer)
                                   write ? CL_MAP_READ | CL_MAP_WRITE : CL_MAP_READ, 0,
                                   buffer->bytes, 0, NULL, NULL, &error);
     BB_CL_TRY(error, "mapping %zu bytes of the device", buffer->bytes);
-    return BB_OK;
+    return tally(buffer, write ? 2 * buffer->bytes : buffer->bytes);
 }
 
 bb_status bb_buffer_unmap(const bb_buffer *buffer, void *pointer)

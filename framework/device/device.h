@@ -63,6 +63,7 @@ typedef struct bb_device {
     const char *kernel_folder; /* edit-and-run: .cl and .h files are looked for here first; may be
                                 * NULL */
     char sources[16];          /* "embedded" or "folder": the record says which */
+    struct bb_tally *tally;    /* of what is enqueued (tally.h); NULL: none */
 } bb_device;
 
 /* Returns whether device code that has two forms uses that for CPUs. */

@@ -1,6 +1,7 @@
 /* Launches: arguments, and the times of events. */
 #include "framework/device/cl_error.h"
 #include "framework/device/device_private.h"
+#include "framework/device/tally.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -90,7 +91,7 @@ bb_status bb_launch_args(bb_device *device, cl_kernel kernel, size_t global, siz
     device->launches++;
     if (device->profile_events)
         BB_TRY(bb_device_add_event(device, event));
-    return BB_OK;
+    return bb_device_tallies(device) ? bb_tally_launch(device, kernel, args, count) : BB_OK;
 }
 
 static void drop_events(bb_device *device)

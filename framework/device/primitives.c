@@ -6,6 +6,7 @@
  * In both, everything is enqueued at once: sizes depend on the count alone, never on the data.
  */
 #include "framework/device/primitives_private.h"
+#include "framework/device/tally.h"
 
 #include "kernels/bb_shared.h"
 
@@ -206,18 +207,18 @@ static bb_status scan_by_tiles(bb_primitives *self, const bb_buffer *in, bb_buff
         bb_buffer *sums = tiles > 1 ? &self->scan_level[level] : total;
         const bb_buffer *from = level == 0 ? in : &self->scan_level[level - 1];
         const bb_buffer *to = level == 0 ? out : &self->scan_level[level - 1];
-        BB_TRY(bb_launch(device, self->scan_tiles, (size_t)tiles * self->group, self->group,
-                         BB_MEM(*from), BB_MEM(*to), BB_VALUE(counts[level]), BB_VALUE(each),
-                         BB_MEM(*sums)));
+        BB_TRY(bb_launch(bb_tally_pass(device), self->scan_tiles, (size_t)tiles * self->group,
+                         self->group, BB_MEM(*from), BB_MEM(*to), BB_VALUE(counts[level]),
+                         BB_VALUE(each), BB_MEM(*sums)));
         if (tiles == 1)
             break;
         counts[level + 1] = tiles;
     }
     while (level-- > 0) {
         const bb_buffer *to = level == 0 ? out : &self->scan_level[level - 1];
-        BB_TRY(bb_launch(device, self->scan_add, (size_t)counts[level + 1] * self->group,
-                         self->group, BB_MEM(*to), BB_VALUE(counts[level]),
-                         BB_MEM(self->scan_level[level])));
+        BB_TRY(bb_launch(bb_tally_pass(device), self->scan_add,
+                         (size_t)counts[level + 1] * self->group, self->group, BB_MEM(*to),
+                         BB_VALUE(counts[level]), BB_MEM(self->scan_level[level])));
     }
     return BB_OK;
 }
@@ -255,9 +256,9 @@ static bb_status reduce_by_groups(bb_primitives *self, const bb_buffer *boxes, u
     uint32_t groups = bb_divide_up(count, self->group);
     if (groups > reduce_groups_max(self))
         groups = reduce_groups_max(self);
-    BB_TRY(bb_launch(self->device, self->reduce_boxes, (size_t)groups * self->group, self->group,
-                     BB_MEM(*boxes), BB_VALUE(count), BB_MEM(self->partials)));
-    return bb_launch(self->device, self->reduce_partials, self->group, self->group,
+    BB_TRY(bb_launch(bb_tally_pass(self->device), self->reduce_boxes, (size_t)groups * self->group,
+                     self->group, BB_MEM(*boxes), BB_VALUE(count), BB_MEM(self->partials)));
+    return bb_launch(bb_tally_pass(self->device), self->reduce_partials, self->group, self->group,
                      BB_MEM(self->partials), BB_VALUE(groups), BB_MEM(*out));
 }
 

@@ -308,7 +308,9 @@ bb_status bb_program_build(bb_device *device, const bb_source *source, const cha
     /* -w disables warnings: the log of a successful compilation is shown to nobody, but clang
      * inside PoCL prints the number of warnings on stderr, such as those on vectors wider than the
      * processor's registers. */
-    if (snprintf(options, sizeof options, "-w %s%s", standard, defines) >= (int)sizeof options)
+    const char *info = device->tally != NULL ? "-cl-kernel-arg-info " : "";
+    if (snprintf(options, sizeof options, "-w %s%s%s", info, standard, defines) >=
+        (int)sizeof options)
         return bb_fail(BB_INVALID, "%s: the build options are too long", source->name);
     for (const struct bb_program_cache *entry = device->programs; entry != NULL;
          entry = entry->next)

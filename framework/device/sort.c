@@ -10,6 +10,7 @@
  * without work cost less than a query.
  */
 #include "framework/device/primitives_private.h"
+#include "framework/device/tally.h"
 
 #include "kernels/sort_shared.h"
 
@@ -107,8 +108,9 @@ static bb_status count_digit(bb_primitives *self, const sort_kernels *kernels, s
     size_t local = self->gpu ? self->group : 1;
     size_t global = chunks.count * local;
     if (self->gpu)
-        BB_TRY(bb_launch(device, kernels->count, global, local, BB_MEM(*keys), BB_VALUE(count),
-                         BB_VALUE(pass.shift), BB_VALUE(pass.mask), BB_MEM(self->counts)));
+        BB_TRY(bb_launch(bb_tally_pass(device), kernels->count, global, local, BB_MEM(*keys),
+                         BB_VALUE(count), BB_VALUE(pass.shift), BB_VALUE(pass.mask),
+                         BB_MEM(self->counts)));
     else
         BB_TRY(bb_launch(device, kernels->count, global, local, BB_MEM(*keys), BB_VALUE(count),
                          BB_VALUE(chunks.size), BB_VALUE(pass.shift), BB_VALUE(pass.mask),
@@ -123,10 +125,11 @@ static bb_status scatter(bb_primitives *self, const sort_kernels *kernels, sort_
     bb_device *device = self->device;
     chunking chunks = cut_sort(self, count);
     if (self->gpu)
-        return bb_launch(device, kernels->scatter, (size_t)chunks.count * self->group, self->group,
-                         BB_MEM(*from.keys), BB_MEM(*from.values), BB_VALUE(count),
-                         BB_VALUE(pass.shift), BB_VALUE(pass.mask), BB_MEM(self->counts),
-                         BB_MEM(*to.keys), BB_MEM(*to.values));
+        return bb_launch(bb_tally_pass(device), kernels->scatter,
+                         (size_t)chunks.count * self->group, self->group, BB_MEM(*from.keys),
+                         BB_MEM(*from.values), BB_VALUE(count), BB_VALUE(pass.shift),
+                         BB_VALUE(pass.mask), BB_MEM(self->counts), BB_MEM(*to.keys),
+                         BB_MEM(*to.values));
     return bb_launch(device, kernels->scatter, chunks.count, 1, BB_MEM(*from.keys),
                      BB_MEM(*from.values), BB_VALUE(count), BB_VALUE(chunks.size),
                      BB_VALUE(pass.shift), BB_VALUE(pass.mask), BB_VALUE(pass.only),
@@ -142,6 +145,7 @@ static bb_status sort_by_passes(bb_primitives *self, const sort_kernels *kernels
         pairs from = i % 2 == 0 ? place : scratch, to = i % 2 == 0 ? scratch : place;
         BB_TRY(count_digit(self, kernels, passes[i], count, from.keys));
         BB_TRY(scatter(self, kernels, passes[i], count, from, to));
+        bb_tally_sort_pass(self->device);
     }
     return BB_OK;
 }

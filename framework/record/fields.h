@@ -146,6 +146,12 @@ FIELD(BUILD_LAYOUTS_FLOOR, BUILD, "first_ray_floor_ms", "ms", PARTS | NUMBER, LA
 FIELD(BUILD_FIRST_RAY, BUILD, "first_ray_ms", "ms", PARTS | DERIVED, LATER, AS_PAIRS,
       "First ray ms",
       "what the first ray waits for, by layout: boxes, build, transfer and that layout")
+FIELD(SIMT_BUILD_BINDS, BUILD, "simt_build_binds", "", PARTS | TEXT, BY(bb_put_simulated_builds),
+      AS_TEXT, NULL, NULL)
+#define SIMT_BUILD(id, member, name, unit, better, heading, help) \
+    FIELD(SIMT_BUILD_##id, BUILD, name, unit, EXACT | PARTS | NUMBER, LATER, AS_PAIRS, heading, \
+          help)
+#include "framework/simulate/simt_build_figures.h"
 FIELD(BUILD_BYTES_NATIVE, BUILD, "bytes_native", "B", NUMBER, B(DOUBLE, bytes_native), AS_BYTES,
       NULL, NULL)
 FIELD(BUILD_REFERENCE, BUILD, "reference", "", FLAG, B(FLAG, reference), AS_TEXT, NULL, NULL)

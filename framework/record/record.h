@@ -17,7 +17,7 @@
 #include "framework/record/cell.h"
 #include "framework/record/schema.h"
 #include "framework/scene/scene.h"
-#include "framework/simulate/simulate.h"
+#include "framework/simulate/build.h"
 
 enum {
     BB_LAYOUTS_MAX = 48,     /* most layouts of one tree */
@@ -75,6 +75,11 @@ typedef struct bb_build_record {
         uint64_t bytes;
         uint32_t launches; /* that make it */
     } layouts[BB_LAYOUTS_MAX];
+    uint32_t simulated_count;
+    struct {
+        char name[80]; /* "simt:device=h100,width=32" */
+        bb_build_simulation simulation;
+    } simulated[BB_SIMT_MAX];
     bool has_tree;
     bb_tree_info tree;
     uint64_t bytes_tree, bytes_peak;

@@ -159,6 +159,20 @@ void bb_put_layouts(const bb_put *p)
     }
 }
 
+/* Puts each simulation into a row of its own. */
+void bb_put_simulated_builds(const bb_put *p)
+{
+    const bb_build_record *build = p->record;
+    for (uint32_t i = 0; i < build->simulated_count; i++) {
+        const bb_build_simulation *s = &build->simulated[i].simulation;
+        bb_entry *part = bb_results_part(p->results, p->entry, build->simulated[i].name);
+        bb_put_text(part, BB_F_SIMT_BUILD_BINDS, bb_binding_word(s->binds));
+#define SIMT_BUILD(id, member, name, unit, better, heading, help)                                  \
+    bb_put_number(part, BB_F_SIMT_BUILD_##id, s->member);
+#include "framework/simulate/simt_build_figures.h"
+    }
+}
+
 void bb_put_build_decisions(const bb_put *p)
 {
     put_decisions(p->results, p->entry, &((const bb_build_record *)p->record)->decisions);

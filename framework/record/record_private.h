@@ -64,7 +64,8 @@ void bb_put_part(const bb_put *p, bb_field_part part);
 /* The functions that fields.h names, of scenes, builds and traces (record_entries.c). */
 bb_put_fn bb_put_kinds, bb_put_prims, bb_put_needs, bb_put_boxes, bb_put_views, bb_put_closed,
     bb_put_bits;
-bb_put_fn bb_put_build_params, bb_put_stages, bb_put_phases, bb_put_layouts, bb_put_build_decisions;
+bb_put_fn bb_put_build_params, bb_put_stages, bb_put_phases, bb_put_layouts, bb_put_build_decisions,
+    bb_put_simulated_builds;
 bb_put_fn bb_put_native, bb_put_rays_source, bb_put_query, bb_put_rays_params,
     bb_put_trace_decisions, bb_put_simulated, bb_put_given, bb_put_unlike, bb_put_wrong_ppm,
     bb_put_overflowed, bb_put_first_wrong;
