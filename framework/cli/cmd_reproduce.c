@@ -41,10 +41,7 @@ static const bb_cli_option options[] = {
     {"full-size", NULL,
      "pictures and slices of the papers' sizes (2160^2 and 1024^2; 999^2): hours",
      BB_INTO(wanted, request.full_size), .apart = "quick"},
-    {"metrics", "M",
-     "simulations of traces, such as simt:device=h100,width=32: claims on times are judged by them "
-     "once more",
-     BB_INTO(wanted, metrics)},
+    BB_SIMULATIONS_OPTION(wanted, metrics, "claims on times, judged once more"),
     BB_TIME_OPTION(wanted, time,
                    "end with what was measured by then, such as 90s, 5min or 1.5h; `all` begins no "
                    "paper later"),
@@ -290,8 +287,10 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
 {
     wanted *w = values;
     bb_reproduce_request *request = &w->request;
+    bb_simt simts[BB_SIMT_MAX];
+    uint32_t simulations;
     BB_TRY(bb_time_option(w->time, &w->ends_ms));
-    BB_TRY(bb_choose_simulations(&w->metrics));
+    BB_TRY(bb_choose_simulations(&w->metrics, simts, &simulations));
     request->metrics = w->metrics.items;
     request->metric_count = (uint32_t)w->metrics.count;
     BB_TRY(bb_charts_decide(&w->charts));
