@@ -82,14 +82,18 @@ static uint packet_few(bb_packet *p, uint which, global const BB_TRACE_NODE *nod
 
 /* Pushes the children of a node, given as bits, that some ray meets, the farthest first. Returns
  * false, and pushes none, if the stack is too short. */
-bool packet_node(bb_packet *p, bb_ray_floats entered, global const float *planes, uint children,
-                 global const uint *links, bb_packet_waiting stack[BB_STACK_SIZE + 1], uint *top)
+bool packet_node(bb_packet *p, bb_ray_floats entered, global const BB_TRACE_NODE *nodes, uint link,
+                 bb_packet_waiting stack[BB_STACK_SIZE + 1], uint *top)
 {
-    const uint bottom = *top;
+    global const float *planes = BB_PLANES_AT(nodes, link);
+    global const uint *links = BB_LINKS_AT(nodes, link);
+    const uint children = BB_CHILDREN_AT(nodes, link), bottom = *top;
+    BB_PACKET_STEP(p, BB_STEP_NODE, link);
     uint met = bb_packet_may_meet(p, planes) & children;
     while (met != 0u) {
         uint child = 31u - clz(met);
         met ^= 1u << child;
+        BB_PACKET_STEP(p, BB_STEP_BOX, link);
         bb_ray_floats entry = bb_packet_entries(p, entered, planes, child);
         float nearest = bb_least_of(entry);
         if (nearest == INFINITY)
@@ -98,6 +102,7 @@ bool packet_node(bb_packet *p, bb_ray_floats entered, global const float *planes
             *top = bottom;
             return false;
         }
+        BB_PACKET_ENTRY(p, BB_STEP_PUSH, *top, BB_RAY_BITS(entry < INFINITY));
         uint at = (*top)++;
         for (; at > bottom && stack[at - 1u].nearest < nearest; at--)
             stack[at] = stack[at - 1u];
@@ -129,6 +134,7 @@ static uint trace_packet(bb_packet *p, global const BB_TRACE_NODE *nodes,
         top--;
         bb_ray_floats entered = stack[top].entry;
         uint link = stack[top].link, active = BB_RAY_BITS(entered <= p->tmax);
+        BB_PACKET_ENTRY(p, BB_STEP_POP, top, active);
         if (active == 0u)
             continue;
         bool alone = popcount(active) <= BB_FEW;
@@ -139,8 +145,7 @@ static uint trace_packet(bb_packet *p, global const BB_TRACE_NODE *nodes,
             else if (*blocker == link)
                 *blocker = BB_NONE;
         } else if (!alone)
-            alone = !packet_node(p, entered, BB_PLANES_AT(nodes, link), BB_CHILDREN_AT(nodes, link),
-                                 BB_LINKS_AT(nodes, link), stack, &top);
+            alone = !packet_node(p, entered, nodes, link, stack, &top);
         if (alone)
             failed |= packet_few(p, active, nodes, leaf_prims, link, ends);
     }
@@ -164,6 +169,9 @@ trace_batch(uint first, uint count, global const BB_TRACE_NODE *nodes,
         for (uint rest = left_out; rest != 0u; rest &= rest - 1u)
             trace_and_write(ids[31u - clz(rest & -rest)], nodes, leaf_prims, root, ends, scale,
                             rays, results BB_COUNTS BB_QUERY_VALUES);
+#if BB_RECORDING
+        bb_packet_record_start(&packet, ids, taken, left_out, step_ends, steps, step_counts);
+#endif
         uint failed = trace_packet(&packet, nodes, leaf_prims, root, ends, &blocker);
 #if !BB_HITS_ONLY
         for (uint i = 0; i < taken; i++)
@@ -174,6 +182,9 @@ trace_batch(uint first, uint count, global const BB_TRACE_NODE *nodes,
 #endif
         bb_packet_write(&packet, ids, ((1u << taken) - 1u) & ~left_out, failed,
                         results BB_COUNTS);
+#if BB_RECORDING
+        bb_packet_record_end(&packet, ids, step_counts);
+#endif
     }
 }
 

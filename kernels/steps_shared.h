@@ -1,6 +1,10 @@
 /* Steps of a ray's search, which the recording variant of a kernel writes and host code replays in
  * lockstep (framework/simulate/). A step is an iteration of one of the kernel's loops that reads a
- * node, a record of a leaf or a stack entry, or writes one. */
+ * node, a record of a leaf or a stack entry, or writes one.
+ *
+ * A ray begins alone. A packet's rays come together and go on alone as marks say, and while they
+ * are together all of them have the same steps, those too that are idle. A pop says whether a ray
+ * takes part until the packet's next one. */
 #ifndef BB_STEPS_SHARED_H
 #define BB_STEPS_SHARED_H
 
@@ -10,8 +14,14 @@ enum {
     BB_STEP_PRIMS,   /* tests a primitive of a leaf, or a block of them; the index of it */
     BB_STEP_POP,     /* takes an entry from the stack, whether it is obsolete or not; 0 */
     BB_STEP_RESTART, /* goes back to the root, for lack of a stack entry; 0 */
-    BB_STEP_KINDS
+    BB_STEP_BOX,     /* tests one box of a node with all rays of a packet; the node's index */
+    BB_STEP_KINDS,
+    BB_STEP_MARK = 7 /* no step: 1: the ray joins its packet, 0: it leaves it */
 };
+
+/* Of a packet's push and pop the index is the entry's place, and in the last bit whether the ray
+ * has met the box that is pushed, or visits what is popped. */
+#define BB_STEP_ENTRY(place, met) ((place) << 1 | (met))
 
 /* A step is one word: its kind, and below it the index. */
 #define BB_STEP_INDEX_BITS 29

@@ -27,6 +27,13 @@ static const struct {
     {"stackless", "stackless_lockstep.cl", 1, 0, ""},
     {"short:entries=4", "short_lockstep.cl", 1, 4, "-DBB_LEVELS=64 -DBB_ENTRIES=4"},
     {"cwbvh", "cwbvh_lockstep.cl", 3, 0, "-DBB_STACK_SIZE=64"},
+    {"packet8:group=64", "packet8_lockstep.cl", 8, 0,
+     "-DBB_STACK_SIZE=128 -DBB_WIDTH=8 -DBB_RAYS=8 -DBB_BATCH=64"},
+    {"packet:rays=16,few=2,group=256", "packet_lockstep.cl", 4, 0,
+     "-DBB_STACK_SIZE=64 -DBB_WIDTH=2 -DBB_RAYS=16 -DBB_FEW=2 -DBB_BATCH=256"},
+    /* stacks that are too short, first of packets, then of rays */
+    {"packet8:stack=8,few=0", "packet8_lockstep.cl", 1, 0,
+     "-DBB_STACK_SIZE=8 -DBB_WIDTH=8 -DBB_RAYS=8 -DBB_FEW=0 -DBB_BATCH=64"},
 };
 
 static const char *const scenes[] = {"interior:n=1000", "soup:n=500", "sphere-mesh:n=12"};
@@ -51,6 +58,8 @@ static void make_rays(const bb_scene *scene, bb_ray *rays)
             rays[i].o[k] = from;
             rays[i].d[k] = at - from;
         }
+        if (i == 41)
+            rays[i].o[1] = INFINITY; /* packets leave it out */
     }
 }
 
@@ -85,13 +94,14 @@ static void release_layout(laid_out *l)
 
 /* ---- the reference ---- */
 
-enum { SHARED = 4, FILE_LIMIT = 1 << 20 };
+enum { SHARED = 8, FILE_LIMIT = 1 << 20 };
 
 /* The sources of a reference: NAME.cl and what it includes; the kernel's own file is kernel.clh. */
 static void read_sources(const char *name, const bb_kernel *kernel, bb_source files[SHARED + 3])
 {
-    static const char *const shared[SHARED] = {"lockstep.clh", "lockstep_stack.clh",
-                                               "lockstep_leaf.clh", "lockstep_trace.clh"};
+    static const char *const shared[SHARED] = {
+        "lockstep.clh",        "lockstep_stack.clh",  "lockstep_leaf.clh", "lockstep_trace.clh",
+        "lockstep_kernel.clh", "lockstep_packet.clh", "stack_visit.clh",   "stack8_visit.clh"};
     char path[512];
     memset(files, 0, (SHARED + 3) * sizeof *files);
     for (uint32_t i = 0; i <= SHARED; i++) {
@@ -135,8 +145,8 @@ static void run_reference(cl_kernel kernel, const bb_layout_data *layout, const 
 
 static void expect_equal(const char *what, const bb_issued *replayed, const bb_issued *reference)
 {
-    static const char *const kinds[] = {"node",    "push",  "primitives", "pop",
-                                        "restart", "begin", "end"};
+    static const char *const kinds[] = {"node",    "push", "primitives", "pop",
+                                        "restart", "box",  "begin",      "end"};
     for (uint32_t k = 0; k < BB_ISSUE_KINDS; k++) {
         const bb_issued *a = &replayed[k], *b = &reference[k];
         if (a->count != b->count || a->lanes != b->lanes || a->sectors != b->sectors ||
@@ -352,7 +362,7 @@ static void samples_are_runs_of_the_set(void **state)
 static void other_kernels_are_refused(void **state)
 {
     (void)state;
-    static const char *const kernels[] = {"stack8i", "packet8", "stack:sort=yes"};
+    static const char *const kernels[] = {"stack8i", "packet8:sort=yes", "stack:sort=yes"};
     static bb_ray rays[RAYS];
     bb_scene *scene;
     bb_instance instance;

@@ -7,6 +7,7 @@
 #include "framework/simulate/simulate.h"
 #include "tests/fixture.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -21,18 +22,20 @@ static void no_rays(void)
     made = (bb_steps){.rays = 0, .ends = ends, .words = words};
 }
 
-/* Adds a ray: N7 a node, P7 a primitive, + a push, - a pop, R a restart; a number is 0 if it is
- * left out. */
+/* Adds a ray: N7 a node, P7 a primitive, + a push, - a pop, R a restart, B7 a box; J1 joins its
+ * packet, J leaves it; a number is 0 if it is left out. */
 static void add_ray(const char *steps)
 {
     uint32_t end = made.rays > 0 ? ends[made.rays - 1] : 0;
     for (const char *c = steps; *c != '\0';) {
         const char kind = *c++;
-        const unsigned index = (unsigned)strtoul(c, (char **)&c, 10);
+        const unsigned index = isdigit(*c) ? (unsigned)strtoul(c, (char **)&c, 10) : 0;
         const uint32_t number = kind == 'N'   ? BB_STEP_NODE
                                 : kind == 'P' ? BB_STEP_PRIMS
                                 : kind == '+' ? BB_STEP_PUSH
                                 : kind == '-' ? BB_STEP_POP
+                                : kind == 'B' ? BB_STEP_BOX
+                                : kind == 'J' ? BB_STEP_MARK
                                               : BB_STEP_RESTART;
         assert_true(end < WORDS_MOST);
         words[end++] = number << BB_STEP_INDEX_BITS | index;
@@ -49,18 +52,24 @@ static void add_rays(uint32_t count, const char *steps)
 /* ---- groups ---- */
 
 /* The steps that a group of all rays issues, as "N32 P16 ...": the kind and how many lanes. */
-static void expect_order(bb_control control, uint32_t ring, const char *order)
+static void expect_order_of(const bb_footing *f, const char *order)
 {
-    static const char letters[] = "N+P-Rbe";
+    static const char letters[] = "N+P-RBbe";
     char text[1024] = "";
     bb_warp warp;
     bb_issue issue;
-    bb_warp_start(&warp, &made, control, ring, 0, made.rays);
+    bb_warp_start(&warp, &made, f, 0, made.rays);
     while (bb_warp_next(&warp, &issue))
         snprintf(text + strlen(text), sizeof text - strlen(text), "%s%c%d",
                  text[0] != '\0' ? " " : "", letters[issue.kind],
                  __builtin_popcountll(issue.lanes));
     assert_string_equal(text, order);
+}
+
+static void expect_order(bb_control control, uint32_t ring, const char *order)
+{
+    const bb_footing f = {.control = control, .ring = ring, .packet = 1};
+    expect_order_of(&f, order);
 }
 
 static void loops_are_left_together(void **state)
@@ -104,6 +113,43 @@ static void loops_are_left_together(void **state)
     expect_order(BB_WHILE_WHILE, 0, "b2 P1 e2");
 }
 
+static const bb_footing in_packets = {.control = BB_PACKETS,
+                                      .group = 32,
+                                      .packet = 8,
+                                      .node_bytes = 256,
+                                      .prim_bytes = 192,
+                                      .result_bytes = 8};
+
+static void packets_take_their_steps_together(void **state)
+{
+    (void)state;
+    no_rays(); /* all equal */
+    add_rays(32, "J1-1NB+1B+3-3P4P5-1P6");
+    expect_order_of(&in_packets, "b32 -32 N32 B32 +32 B32 +32 -32 P32 P32 -32 P32 e32");
+
+    no_rays(); /* one ray is left; then none */
+    add_ray("J1-1NB+1-0");
+    add_rays(7, "J1-0NB+0-0");
+    expect_order_of(&in_packets, "b8 -1 N1 B1 +1 -0 e8");
+
+    no_rays(); /* packets that part: a leaf comes before the other's node, and waits after it */
+    add_rays(8, "J1-1P4-1P4");
+    add_rays(8, "J1-1NBB+1-1P4");
+    expect_order_of(&in_packets, "b16 -16 P8 N8 B8 B8 +8 -16 P16 e16");
+
+    no_rays(); /* few go on alone, while all packets wait; they may pass by each other */
+    add_ray("J1-1JN1+P3-J1-0");
+    add_ray("J1-1JN2J1-0");
+    add_rays(6, "J1-0-0");
+    add_rays(8, "J1-1NB-1P");
+    expect_order_of(&in_packets, "b16 -10 N8 B8 N2 +1 P1 -1 -8 P8 e16");
+
+    no_rays(); /* a ray that the packet leaves out goes first */
+    add_ray("NP7J1-0P2");
+    add_rays(3, "J1-1P2");
+    expect_order_of(&in_packets, "b4 N1 P1 -3 P3 e4");
+}
+
 static void rays_wait_for_their_group(void **state)
 {
     (void)state;
@@ -120,6 +166,14 @@ static void rays_wait_for_their_group(void **state)
         assert_int_equal(waits[i].nodes, expected[i][0]);
         assert_int_equal(waits[i].prims, expected[i][1]);
     }
+
+    no_rays(); /* a ray of a packet waits while it is idle, at a node's boxes too */
+    add_ray("J1-1NBB-1P");
+    add_ray("J1-0NBB-1P");
+    bb_divergence(&made, &in_packets, 8, waits);
+    assert_int_equal(waits[0].nodes, 0);
+    assert_int_equal(waits[1].nodes, 3);
+    assert_int_equal(waits[1].prims, 0);
 }
 
 /* ---- a machine ---- */
@@ -232,6 +286,54 @@ static void sectors_of_a_step_are_distinct(void **state)
     add_rays(32, "N0+++");
     bb_traffic shorter = run(&m, &ring), longer = run(&m, &footing);
     assert_int_equal(longer.written - shorter.written, 8);
+}
+
+static void packets_share_their_entries(void **state)
+{
+    (void)state;
+    const bb_machine m = machine_of(32, 1, 1);
+    bb_footing wide = in_packets;
+    wide.packet = 16;
+    no_rays(); /* a node once for all rays; of an entry all distances, and two words of a packet */
+    add_rays(32, "J1-1N5B5+3");
+    bb_traffic t = run(&m, &in_packets);
+    expect_issued(&t, BB_STEP_NODE, 1, 8, 2);
+    expect_issued(&t, BB_STEP_BOX, 1, 8, 2);
+    expect_issued(&t, BB_STEP_POP, 1, 4 + 4, 2);
+    expect_issued(&t, BB_STEP_PUSH, 1, 4 + 4, 2);
+    assert_true(bb_efficiency(&t.issued[BB_STEP_BOX], 32) == 1.0);
+    t = run(&m, &wide);
+    expect_issued(&t, BB_STEP_PUSH, 1, 4 + 2, 2);
+
+    no_rays(); /* one ray is left: the others' distances are stored, too */
+    add_ray("J1-1N5B5+3");
+    add_rays(31, "J1-0N5B5+2");
+    t = run(&m, &in_packets);
+    assert_true(bb_efficiency(&t.issued[BB_STEP_NODE], 32) == 1.0 / 32.0);
+    expect_issued(&t, BB_STEP_PUSH, 1, 4 + 4, 2);
+
+    no_rays(); /* a packet of three rays has the entries of a whole one */
+    add_rays(3, "J1-1N5B5+3");
+    t = run(&m, &wide);
+    assert_true(bb_efficiency(&t.issued[BB_STEP_POP], 32) == 3.0 / 32.0);
+    expect_issued(&t, BB_STEP_PUSH, 1, 2 + 1, 2);
+
+    no_rays(); /* so has the last one of a work-group */
+    add_rays(40, "J1-1N5");
+    bb_footing short_of = in_packets;
+    short_of.group = 20;
+    t = run(&m, &short_of);
+    expect_issued(&t, BB_STEP_POP, 2, 2 * (3 + 3), 2 * 2);
+    assert_int_equal(t.issued[BB_STEP_POP].lanes, 40);
+
+    /* a ray on its own has a stack beside the packet's, which begins anew each time: two sectors of
+     * each stack are written, and two of answers */
+    no_rays();
+    add_ray("J1-1NB+1JN+J1-1JN+J1");
+    add_rays(7, "J1-1NB+1-0");
+    t = run(&m, &in_packets);
+    assert_int_equal(t.issued[BB_STEP_PUSH].count, 3);
+    assert_int_equal(t.written, 2 + 2 + 2);
 }
 
 static void caches_find_what_they_hold(void **state)
@@ -411,16 +513,40 @@ static void sets_share_the_lines(void **state)
 
 /* ---- bounds ---- */
 
-static bb_simulation simulate(const bb_simt *simt)
+static bb_simulation simulate_kernel(const bb_simt *simt, const char *kernel)
 {
     bb_spec spec;
     bb_simulation simulation;
     bb_traverser_request request = {
         .spec = &spec, .intersector = &bb_intersectors[0], .query = &bb_query_closest};
     const bb_layout_data layout = {.lanes = 1, .kinds = BB_TRIANGLES};
-    ASSERT_OK(bb_kernel_parse("stack", &spec, &request.kernel));
+    ASSERT_OK(bb_kernel_parse(kernel, &spec, &request.kernel));
     ASSERT_OK(bb_simulate(simt, &request, &layout, &made, &simulation));
     return simulation;
+}
+
+static bb_simulation simulate(const bb_simt *simt)
+{
+    return simulate_kernel(simt, "stack");
+}
+
+/* Nobody knows the instructions and registers of a ray: there is no bound by these, nor a least
+ * one. */
+static void packets_are_bounded_by_traffic_alone(void **state)
+{
+    (void)state;
+    bb_simt simt;
+    no_rays();
+    add_rays(16, "J1-1N5B5B5+1-1P3");
+    add_rays(16, "J1-0N5B5B5+1-1P3");
+    ASSERT_OK(bb_simt_parse("simt:device=h100", &simt));
+    const bb_simulation s = simulate_kernel(&simt, "packet8");
+    assert_true(isnan(s.mrays_s) && isnan(s.issue_mrays_s) && isnan(s.efficiency));
+    assert_true(s.memory_mrays_s > 0 && isfinite(s.memory_mrays_s));
+    assert_true(s.l1_mrays_s > 0 && s.l2_mrays_s > 0);
+    assert_true(s.node_efficiency == 0.5 && s.prim_efficiency == 1.0);
+    assert_true(s.steps == 7); /* pop, node, two boxes, push, pop, primitive */
+    assert_true(s.in_flight == simt.device.groups);
 }
 
 static void bounds_are_those_of_the_device(void **state)
@@ -482,15 +608,18 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(loops_are_left_together),
+        cmocka_unit_test(packets_take_their_steps_together),
         cmocka_unit_test(rays_wait_for_their_group),
         cmocka_unit_test(efficiency_is_that_of_active_lanes),
         cmocka_unit_test(sectors_of_a_step_are_distinct),
+        cmocka_unit_test(packets_share_their_entries),
         cmocka_unit_test(caches_find_what_they_hold),
         cmocka_unit_test(work_groups_are_not_torn_apart),
         cmocka_unit_test(the_second_cache_begins_warm),
         cmocka_unit_test(the_line_used_longest_ago_gives_way),
         cmocka_unit_test(sets_share_the_lines),
         cmocka_unit_test(bounds_are_those_of_the_device),
+        cmocka_unit_test(packets_are_bounded_by_traffic_alone),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -41,6 +41,14 @@ const bb_kernel *bb_kernel_find(const char *name)
     return NULL;
 }
 
+uint32_t bb_kernel_recorded_packet(const bb_kernel *kernel, const bb_spec *spec)
+{
+    if (kernel->control != BB_PACKETS)
+        return 1;
+    /* not as many as the device's vectors have lanes: the same on all devices */
+    return bb_spec_is(spec, kernel->options, "rays", "16") ? 16 : 8;
+}
+
 bool bb_kernel_is_for_cpus(const bb_kernel *kernel)
 {
     uint32_t devices = 0;
@@ -53,7 +61,7 @@ const bb_kernel *bb_kernel_for_any_leaf(bool recorded)
 {
     const bb_kernel *const *k = bb_kernels;
     while (bb_layout_find((*k)->layout)->leaf_max > 0 ||
-           (recorded && (*k)->control == BB_CONTROL_UNKNOWN))
+           (recorded && ((*k)->control == BB_CONTROL_UNKNOWN || bb_kernel_is_for_cpus(*k))))
         k++;
     return *k;
 }

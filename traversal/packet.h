@@ -9,7 +9,7 @@ enum { BB_PACKET_MOST = 16 }; /* rays of a packet */
 
 #define BB_PACKET_OPTIONS                                                                          \
     {"rays", "auto", "auto|8|16",                                                                  \
-     "rays of a packet; auto: 16 where vectors have 16 lanes, else 8"},                            \
+     "rays of a packet; auto: 16 where vectors have 16 lanes, else 8; simulated: 8"},              \
     {                                                                                              \
         "few", "4", "0|1|2|3|4|5|6|8", "rays left in a packet that are traced one by one"          \
     }
@@ -18,6 +18,6 @@ enum { BB_PACKET_MOST = 16 }; /* rays of a packet */
 #define BB_PACKET_KERNEL                                                                           \
     .summary = "packets of rays side by side, bounded by intervals: for CPUs",                     \
     .paper = "Wald et al. 2001; Boulos et al. 2006; Benthin et al. 2012", .source = "packet.cl",   \
-    .queries = BB_ALONG_RAYS, .ordered = true, .batched = true
+    .queries = BB_ALONG_RAYS, .ordered = true, .batched = true, .control = BB_PACKETS
 
 #endif

@@ -187,12 +187,15 @@ bool bb_intersector_is_exact(const bb_intersector *intersector);
 /* Writes its options as -D definitions for kernels/intersect.clh: less than 128 characters. */
 void bb_intersector_defines(const bb_intersector *intersector, char *text, size_t capacity);
 
-/* A kernel's loops, around the steps of one ray (kernels/steps_shared.h): in which order the rays
+/* A kernel's loops, around the steps of its rays (kernels/steps_shared.h): in which order the rays
  * of a group that run in lockstep wait for each other. */
 typedef enum bb_control {
     BB_CONTROL_UNKNOWN, /* its steps are not recorded */
     BB_WHILE_WHILE,     /* nodes until none is next, primitives likewise, then pops likewise */
     BB_IF_IF,           /* one node, if it is next; primitives; pops, and so on */
+    /* of each packet a pop; primitives, or a node and its boxes one by one; rays that go on alone,
+     * as while-while; and so on */
+    BB_PACKETS,
 } bb_control;
 
 typedef struct bb_kernel {
@@ -224,9 +227,11 @@ typedef struct bb_kernel {
 extern const bb_kernel *const bb_kernels[];        /* generated; ends with NULL */
 const bb_kernel *bb_kernel_find(const char *name); /* NULL if there is none */
 /* Returns the first kernel whose layout accepts leaves of any size, and so any tree of one leaf; if
- * `recorded`, of those whose steps can be. */
+ * `recorded`, of those whose steps can be, and that are not for CPUs only. */
 const bb_kernel *bb_kernel_for_any_leaf(bool recorded);
 extern const bb_option bb_kernel_common_options[];
+/* Returns the rays of a packet, if its steps are recorded; 1: it traces rays one by one. */
+uint32_t bb_kernel_recorded_packet(const bb_kernel *kernel, const bb_spec *spec);
 /* Returns whether all its variants that are taken by default are for CPUs only. */
 bool bb_kernel_is_for_cpus(const bb_kernel *kernel);
 /* Checks a kernel's specification against its own options and the common ones. BB_INVALID names an

@@ -377,6 +377,15 @@ bb_status bb_trace_simulate(bb_trace_set *set, bb_traced_cell *c)
         note_unsimulated(bench, choice, why);
         return BB_OK;
     }
+    if (!bb_simulates_bounds(choice->kernel)) {
+        char why[640];
+        snprintf(
+            why, sizeof why,
+            "bounds of kernel %s, since no code that has each ray of a packet on a lane of a GPU "
+            "is known",
+            choice->spec.text);
+        note_unsimulated(bench, choice, why);
+    }
     bb_step step = bb_bench_begin(bench);
     bb_status status = simulate(set, c, layout);
     if (status == BB_UNSUPPORTED || status == BB_REFUSED) {

@@ -157,6 +157,9 @@ static bb_status find_divergence(rendering *r)
                                           .intersector = &r->intersector,
                                           .query = &bb_query_closest};
     const bb_footing footing = bb_footing_of(&request, &r->layout);
+    if (r->lanes % footing.packet != 0)
+        return bb_fail(BB_INVALID, "--lanes must be a multiple of %u, the rays of a packet of %s",
+                       footing.packet, r->kernel_spec.text);
     bb_steps steps;
     BB_TRY(bb_steps_record(r->device, &request, &r->layout, r->rays->rays, r->rays->count,
                            r->rays->count, &steps));

@@ -231,7 +231,8 @@ void bb_put_simulated(const bb_put *p)
     for (uint32_t i = 0; i < trace->simulated_count; i++) {
         const bb_simulation *s = &trace->simulated[i].simulation;
         bb_entry *part = bb_results_part(p->results, p->entry, trace->simulated[i].name);
-        bb_put_text(part, BB_F_SIMT_BINDS, bb_binding_word(s->binds));
+        if (!isnan(s->mrays_s))
+            bb_put_text(part, BB_F_SIMT_BINDS, bb_binding_word(s->binds));
 #define SIMT(id, member, name, unit, better, heading, help)                                        \
     bb_put_number(part, BB_F_SIMT_##id, s->member);
 #include "framework/simulate/simt_figures.h"

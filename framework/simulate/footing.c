@@ -25,6 +25,7 @@ bb_footing bb_footing_of(const bb_traverser_request *request, const bb_layout_da
     const char *group = bb_spec_value(request->spec, bb_kernel_common_options, "group");
     return (bb_footing){.control = kernel->control,
                         .group = (uint32_t)strtoul(group, NULL, 10),
+                        .packet = bb_kernel_recorded_packet(kernel, request->spec),
                         .ring = entries != NULL ? (uint32_t)strtoul(entries, NULL, 10) : 0,
                         .node_bytes = bb_layout_find(kernel->layout)->node_bytes,
                         .prim_bytes = words * (uint32_t)sizeof(bb_u32),

@@ -7,6 +7,7 @@
 typedef struct bb_footing {
     bb_control control;
     uint32_t group;                    /* rays of a work-group, at least 1 */
+    uint32_t packet;                   /* rays of a packet, a divisor of the width; 1: no packets */
     uint32_t ring;                     /* entries of a short stack; 0: as many as it takes */
     uint32_t node_bytes;               /* size of a node */
     uint32_t prim_bytes;               /* of a primitive, or of a block of them */

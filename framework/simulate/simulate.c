@@ -101,18 +101,27 @@ static double share(uint64_t part, uint64_t whole)
     return whole > 0 ? (double)part / (double)whole : (double)NAN;
 }
 
+static bb_issued sum_of(const bb_issued *a, const bb_issued *b)
+{
+    return (bb_issued){.count = a->count + b->count,
+                       .lanes = a->lanes + b->lanes,
+                       .sectors = a->sectors + b->sectors,
+                       .lines = a->lines + b->lines};
+}
+
 static void find_figures(const bb_simt *simt, bb_simulation *s)
 {
     const bb_traffic *t = &s->traffic;
-    const bb_issued *nodes = &t->issued[BB_STEP_NODE], *prims = &t->issued[BB_STEP_PRIMS];
+    const bb_issued nodes = sum_of(&t->issued[BB_STEP_NODE], &t->issued[BB_STEP_BOX]);
+    const bb_issued *prims = &t->issued[BB_STEP_PRIMS];
     const bb_issued *pushes = &t->issued[BB_STEP_PUSH], *pops = &t->issued[BB_STEP_POP];
     uint64_t steps = 0;
     for (uint32_t k = 0; k < BB_STEP_KINDS; k++)
         steps += t->issued[k].count;
-    s->node_efficiency = bb_efficiency(nodes, simt->width);
+    s->node_efficiency = bb_efficiency(&nodes, simt->width);
     s->prim_efficiency = bb_efficiency(prims, simt->width);
     s->steps = share(steps * simt->width, t->rays);
-    s->lines = share(nodes->lines + prims->lines, nodes->count + prims->count);
+    s->lines = share(nodes.lines + prims->lines, nodes.count + prims->count);
     s->stack_bytes = share((pushes->sectors + pops->sectors) * BB_SECTOR_BYTES, t->rays);
     s->l1_hits = share(t->first_hits, t->first);
     s->l2_hits = share(t->second_hits, t->second);
@@ -151,17 +160,26 @@ static void find_bounds(const bb_simt *simt, const bb_costs *costs, bb_simulatio
     for (int i = 0; i < BB_BINDINGS; i++)
         s->binds = bounds[i] < bounds[s->binds] ? (bb_binding)i : s->binds;
     s->mrays_s = bounds[s->binds];
+    if (instructions == 0) /* none are known */
+        s->issue_mrays_s = s->mrays_s = (double)NAN;
+}
+
+/* A packet is the work of one work-item, whose code says nothing of that of a ray on each lane. */
+bool bb_simulates_bounds(const bb_kernel *kernel)
+{
+    return kernel->control != BB_PACKETS;
 }
 
 bb_status bb_simulate(const bb_simt *simt, const bb_traverser_request *request,
                       const bb_layout_data *layout, const bb_steps *steps,
                       bb_simulation *simulation)
 {
-    bb_costs costs;
+    bb_costs costs = {.registers = 0};
     if (!bb_intersector_is_exact(request->intersector))
         return bb_fail(BB_UNSUPPORTED, "kernels/isa.tsv has the code of `exact` alone, not of %s",
                        request->intersector->name);
-    BB_TRY(bb_costs_find(request->spec, simt->device.code, &costs));
+    if (bb_simulates_bounds(request->kernel))
+        BB_TRY(bb_costs_find(request->spec, simt->device.code, &costs));
     const uint32_t in_flight =
         bb_description_in_flight(&simt->device, costs.registers, simt->width);
     const bb_machine machine = machine_for(&simt->device, simt->width, in_flight, steps->rays);

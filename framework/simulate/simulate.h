@@ -44,7 +44,8 @@ typedef enum bb_binding {
     BB_BINDINGS
 } bb_binding;
 
-/* NAN: there is no such figure; an infinite bound does not bind. */
+/* NAN: there is no such figure; an infinite bound does not bind. Without a bound by issue there is
+ * no least bound, and `binds` means nothing. */
 typedef struct bb_simulation {
     bb_traffic traffic;
     bb_binding binds; /* the least bound */
@@ -56,6 +57,10 @@ typedef struct bb_simulation {
 const char *bb_binding_word(bb_binding binding);
 /* Returns what the word says; BB_BINDINGS for any other. */
 bb_binding bb_binding_of(const char *word);
+
+/* Returns whether the instructions and registers of a ray are known, so that there is a bound by
+ * issue. If not, so many groups are in flight as a unit holds. */
+bool bb_simulates_bounds(const bb_kernel *kernel);
 
 /* Simulates recorded steps of the request's kernel in this layout. BB_UNSUPPORTED if nothing is
  * known of the kernel's code. */

@@ -7,9 +7,7 @@
 #include <string.h>
 
 enum {
-    /* of a lane */
-    ENTRY_WORDS = 2,
-    ENTRIES_MOST = 1 << 12,
+    ENTRIES_MOST = 1 << 12, /* of a lane */
     /* sectors of a step: each lane reads a node of 256 bytes or two words */
     SECTORS_MOST = BB_WARP_MOST * 16,
     /* requests of a sector: it is fetched, and a line of written ones gives way */
@@ -56,11 +54,13 @@ static uint32_t sectors_of_stack(const bb_issue *issue, uint32_t width, uint64_t
                                  uint64_t *sectors)
 {
     uint32_t n = 0;
-    const uint64_t base =
-        ((uint64_t)BB_AT_PRIVATE << BB_BASE_SHIFT) + slot * ENTRIES_MOST * ENTRY_WORDS * width * 4;
+    const uint64_t base = ((uint64_t)BB_AT_PRIVATE << BB_BASE_SHIFT) +
+                          slot * ENTRIES_MOST * BB_ENTRY_WORDS * width * 4;
     for (uint32_t i = 0; i < width; i++)
-        for (uint32_t word = 0; (issue->lanes >> i & 1) != 0 && word < ENTRY_WORDS; word++) {
-            const uint64_t row = (uint64_t)issue->index[i] * ENTRY_WORDS + word;
+        for (uint32_t word = 0; word < BB_ENTRY_WORDS; word++) {
+            if ((issue->words[word] >> i & 1) == 0)
+                continue;
+            const uint64_t row = (uint64_t)issue->index[i] * BB_ENTRY_WORDS + word;
             sectors[n++] = (base + (row * width + i) * 4) / BB_SECTOR_BYTES;
         }
     return sort_unique(sectors, n);
@@ -115,6 +115,7 @@ static void issue_step(bb_unit *u, uint64_t slot, const bb_issue *issue)
     uint32_t count = 0;
     switch (issue->kind) {
     case BB_STEP_NODE:
+    case BB_STEP_BOX:
         count = sectors_of(issue, BB_AT_NODES, f->node_bytes, sectors);
         break;
     case BB_STEP_PRIMS:
@@ -155,7 +156,7 @@ static void take_group(bb_unit *u, uint32_t slot)
     u->busy[slot] = lanes > 0;
     if (lanes == 0)
         return;
-    bb_warp_start(&u->slots[slot], u->steps, u->footing->control, u->footing->ring, first, lanes);
+    bb_warp_start(&u->slots[slot], u->steps, u->footing, first, lanes);
     u->next++;
     if (u->next % of_group == 0) /* the others of these work-groups are the other units' */
         u->next += (uint64_t)of_group * (m->units - 1);

@@ -1,24 +1,41 @@
 #include "framework/simulate/warp.h"
 
-/* Turns besides the kinds of steps. */
-enum { TURN_BEGIN = BB_ISSUE_BEGIN, TURN_END = BB_ISSUE_END, TURN_DONE = BB_ISSUE_KINDS };
+/* Turns besides the kinds of steps that rays take on their own. */
+enum {
+    TURN_BEGIN = BB_ISSUE_BEGIN,
+    TURN_END = BB_ISSUE_END,
+    TURN_DONE,
+    OF_PACKET,
+    TURN_PACKET_NODE = OF_PACKET + BB_STEP_NODE,
+    TURN_PACKET_PUSH = OF_PACKET + BB_STEP_PUSH,
+    TURN_PACKET_PRIMS = OF_PACKET + BB_STEP_PRIMS,
+    TURN_PACKET_POP = OF_PACKET + BB_STEP_POP,
+    TURN_PACKET_BOX = OF_PACKET + BB_STEP_BOX,
+};
 
-/* Notes of which kind a lane's next step is. */
+/* The first place of a ray's own stack, beyond that of its packet. */
+enum { OWN_STACK = 1 << 11 };
+
+/* Notes of which kind a lane's next step is, and whose. */
 static void look_ahead(bb_warp *warp, uint32_t lane)
 {
-    if (warp->next[lane] < warp->end[lane])
-        warp->at[bb_step_kind(warp->steps->words[warp->next[lane]])] |= 1ull << lane;
+    const uint64_t bit = 1ull << lane;
+    for (; warp->next[lane] < warp->end[lane]; warp->next[lane]++) {
+        const uint32_t word = warp->steps->words[warp->next[lane]], kind = bb_step_kind(word);
+        if (kind != BB_STEP_MARK) {
+            *((warp->together & bit) != 0 ? &warp->of_packet[kind] : &warp->at[kind]) |= bit;
+            return;
+        }
+        warp->together = bb_step_index(word) != 0 ? warp->together | bit : warp->together & ~bit;
+        warp->top[lane] = OWN_STACK;
+    }
 }
 
-void bb_warp_start(bb_warp *warp, const bb_steps *steps, bb_control control, uint32_t ring,
-                   uint32_t first, uint32_t lanes)
+void bb_warp_start(bb_warp *warp, const bb_steps *steps, const bb_footing *footing, uint32_t first,
+                   uint32_t lanes)
 {
-    *warp = (bb_warp){.steps = steps,
-                      .control = control,
-                      .first = first,
-                      .lanes = lanes,
-                      .ring = ring,
-                      .turn = TURN_BEGIN};
+    *warp = (bb_warp){
+        .steps = steps, .footing = footing, .first = first, .lanes = lanes, .turn = TURN_BEGIN};
     for (uint32_t i = 0; i < lanes; i++) {
         warp->next[i] = first + i > 0 ? steps->ends[first + i - 1] : 0;
         warp->end[i] = steps->ends[first + i];
@@ -28,14 +45,15 @@ void bb_warp_start(bb_warp *warp, const bb_steps *steps, bb_control control, uin
 
 static uint32_t place(const bb_warp *warp, uint32_t entry)
 {
-    return warp->ring > 0 ? entry % warp->ring : entry;
+    const uint32_t ring = warp->footing->ring;
+    return ring > 0 ? entry % ring : entry;
 }
 
-/* Has these lanes take their next step, which is of this kind. */
+/* Has these lanes take their own next step, which is of this kind. */
 static bool take(bb_warp *warp, bb_issue *issue, uint32_t kind, uint64_t lanes)
 {
     issue->kind = kind;
-    issue->lanes = lanes;
+    issue->lanes = issue->words[0] = issue->words[1] = lanes;
     warp->at[kind] &= ~lanes;
     for (uint64_t rest = lanes; rest != 0; rest &= rest - 1) {
         const uint32_t i = (uint32_t)__builtin_ctzll(rest);
@@ -46,6 +64,46 @@ static bool take(bb_warp *warp, bb_issue *issue, uint32_t kind, uint64_t lanes)
             issue->index[i] = place(warp, --warp->top[i]);
         look_ahead(warp, i);
     }
+    return true;
+}
+
+/* Returns the lanes of all packets of which some are in `lanes`, or their first two alone. */
+static uint64_t whole_packets(const bb_warp *warp, uint64_t lanes, bool first_two)
+{
+    const uint32_t size = warp->footing->packet;
+    const uint64_t packet = (1ull << size) - 1;
+    uint64_t whole = 0;
+    for (uint32_t i = 0; i < BB_WARP_MOST; i += size)
+        if ((lanes >> i & packet) != 0)
+            whole |= (first_two ? 3 : packet) << i;
+    return whole;
+}
+
+/* Has the packets whose next step is of this kind take it; returns false if there are none. */
+static bool take_packets(bb_warp *warp, bb_issue *issue, uint32_t kind)
+{
+    const uint64_t lanes = warp->of_packet[kind];
+    const bool is_entry = kind == BB_STEP_PUSH || kind == BB_STEP_POP;
+    uint64_t met = 0;
+    if (lanes == 0)
+        return false;
+    warp->of_packet[kind] = 0;
+    for (uint64_t rest = lanes; rest != 0; rest &= rest - 1) {
+        const uint32_t i = (uint32_t)__builtin_ctzll(rest);
+        const uint32_t index = bb_step_index(warp->steps->words[warp->next[i]++]);
+        issue->index[i] = is_entry ? index >> 1 : index;
+        /* those of its lanes that have no ray have words of its entries */
+        for (uint32_t k = i + 1; k % warp->footing->packet != 0; k++)
+            issue->index[k] = issue->index[i];
+        met |= (uint64_t)(index & 1) << i;
+        look_ahead(warp, i);
+    }
+    issue->kind = kind;
+    if (kind == BB_STEP_POP)
+        warp->active = met;
+    issue->lanes = is_entry ? met : lanes & warp->active;
+    issue->words[0] = whole_packets(warp, lanes, false);
+    issue->words[1] = whole_packets(warp, lanes, true);
     return true;
 }
 
@@ -77,7 +135,7 @@ bool bb_warp_next(bb_warp *warp, bb_issue *issue)
             lanes = warp->pushing & warp->at[BB_STEP_PUSH];
             if (lanes != 0)
                 return take(warp, issue, BB_STEP_PUSH, lanes);
-            warp->turn = warp->control == BB_IF_IF ? BB_STEP_PRIMS : BB_STEP_NODE;
+            warp->turn = warp->footing->control == BB_IF_IF ? BB_STEP_PRIMS : BB_STEP_NODE;
             break;
         case BB_STEP_PRIMS:
             lanes = warp->at[BB_STEP_PRIMS];
@@ -94,13 +152,40 @@ bool bb_warp_next(bb_warp *warp, bb_issue *issue)
             if (warp->restarting != 0)
                 break;
             lanes = warp->at[BB_STEP_NODE] | warp->at[BB_STEP_PRIMS];
-            warp->turn = lanes != 0 ? BB_STEP_NODE : TURN_END;
+            warp->turn = lanes != 0 ? BB_STEP_NODE : TURN_PACKET_POP;
             break;
         case BB_STEP_RESTART:
             lanes = warp->restarting;
             warp->turn = BB_STEP_POP;
             if (lanes != 0)
                 return take(warp, issue, BB_STEP_RESTART, lanes);
+            break;
+        case TURN_PACKET_POP:
+            warp->turn = TURN_PACKET_PRIMS;
+            if (take_packets(warp, issue, BB_STEP_POP))
+                return true;
+            warp->turn = TURN_END;
+            break;
+        case TURN_PACKET_PRIMS:
+            if (take_packets(warp, issue, BB_STEP_PRIMS))
+                return true;
+            warp->turn = TURN_PACKET_NODE;
+            break;
+        case TURN_PACKET_NODE:
+            warp->turn = TURN_PACKET_BOX;
+            if (take_packets(warp, issue, BB_STEP_NODE))
+                return true;
+            break;
+        case TURN_PACKET_BOX:
+            warp->turn = TURN_PACKET_PUSH;
+            if (take_packets(warp, issue, BB_STEP_BOX))
+                return true;
+            warp->turn = BB_STEP_NODE;
+            break;
+        case TURN_PACKET_PUSH:
+            warp->turn = TURN_PACKET_BOX;
+            if (take_packets(warp, issue, BB_STEP_PUSH))
+                return true;
             break;
         case TURN_END:
             return ends_of_rays(warp, issue, BB_ISSUE_END, TURN_DONE);

@@ -9,15 +9,28 @@
  *         primitives: while a ray is at one
  *         pops: while a ray pops or restarts: these pop, then those restart
  *
+ * A group may hold several packets, whose rays follow each other. Those that are together with
+ * their packet take its steps, of which they are active in some; those that have left it are as
+ * above:
+ *
+ *   loop: a pop of each packet
+ *         primitives: while a packet is at one
+ *         a node of each packet that is at one; while it has boxes to test: one, then its push
+ *         rays on their own, until all have come back
+ *
  * Aila and Laine 2009, "Understanding the Efficiency of Ray Traversal on GPUs": while-while and
  * if-if; SIMD efficiency is the share of the lanes that are active, over all that is issued.
  */
 #ifndef BB_WARP_H
 #define BB_WARP_H
 
+#include "framework/simulate/footing.h"
 #include "framework/simulate/steps.h"
 
-enum { BB_WARP_MOST = 64 }; /* lanes */
+enum {
+    BB_WARP_MOST = 64,  /* lanes */
+    BB_ENTRY_WORDS = 2, /* words of private memory that a stack entry takes in each lane */
+};
 
 /* Kinds of what is issued: those of steps, and a ray's beginning and end. */
 enum { BB_ISSUE_BEGIN = BB_STEP_KINDS, BB_ISSUE_END, BB_ISSUE_KINDS };
@@ -28,25 +41,38 @@ typedef struct bb_issue {
     uint64_t lanes; /* bit i: lane i is active */
     /* of each active lane: the node, the primitive, the place of the stack entry, the ray */
     uint32_t index[BB_WARP_MOST];
+    /* of a stack entry: the lanes whose first word is read or written, and whose second one. Of a
+     * packet the first words are all distances, active or not; the second ones of its first two
+     * lanes are its link and its least distance. */
+    uint64_t words[BB_ENTRY_WORDS];
 } bb_issue;
 
 typedef struct bb_warp {
     const bb_steps *steps;
-    bb_control control;
-    uint32_t first, lanes;      /* its rays */
-    uint32_t ring;              /* entries of a short stack; 0: the stack has room for all */
-    uint32_t turn;              /* kind whose turn it is */
-    uint64_t at[BB_STEP_KINDS]; /* lanes whose next step is of this kind */
-    uint64_t pushing;           /* lanes of the last node */
-    uint64_t restarting;        /* lanes that restart in this iteration of the loop of pops */
+    const bb_footing *footing;
+    uint32_t first, lanes;             /* its rays */
+    uint32_t turn;                     /* kind whose turn it is */
+    uint64_t at[BB_STEP_KINDS];        /* lanes whose next step is of this kind, and their own */
+    uint64_t of_packet[BB_STEP_KINDS]; /* likewise, their packet's */
+    uint64_t together;                 /* lanes that are with their packet */
+    uint64_t active;                   /* of these, those that visit what was popped last */
+    uint64_t pushing;                  /* lanes of the last node */
+    uint64_t restarting; /* lanes that restart in this iteration of the loop of pops */
     uint32_t next[BB_WARP_MOST], end[BB_WARP_MOST]; /* each lane's steps */
     uint32_t top[BB_WARP_MOST];                     /* of each lane's stack */
 } bb_warp;
 
-/* Begins with rays first to first + lanes - 1; lanes is at most BB_WARP_MOST. */
-void bb_warp_start(bb_warp *warp, const bb_steps *steps, bb_control control, uint32_t ring,
-                   uint32_t first, uint32_t lanes);
+/* Begins with rays first to first + lanes - 1; lanes is at most BB_WARP_MOST. The footing must last
+ * as long as the group. */
+void bb_warp_start(bb_warp *warp, const bb_steps *steps, const bb_footing *footing, uint32_t first,
+                   uint32_t lanes);
 /* Gets what the group does next; returns false if all of its rays have ended. */
 bool bb_warp_next(bb_warp *warp, bb_issue *issue);
+
+/* Returns whether what is issued is a test of boxes. */
+static inline bool bb_is_at_node(uint32_t kind)
+{
+    return kind == BB_STEP_NODE || kind == BB_STEP_BOX;
+}
 
 #endif

@@ -12,6 +12,7 @@ typedef struct lane_more {
 
 #define NODE_BYTES 64u
 #define PLACE(entry) ((entry) % BB_ENTRIES)
+#define ROOM (~0u)
 #define ONCE 0
 #define RESTARTS 1
 
@@ -92,4 +93,4 @@ static void lane_restart(lane *l, lane_more *m)
     l->state = GO;
 }
 
-#include "lockstep_trace.clh"
+#include "lockstep_kernel.clh"

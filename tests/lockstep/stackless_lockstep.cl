@@ -9,6 +9,7 @@ typedef struct lane_more {
 
 #define NODE_BYTES 32u
 #define PLACE(entry) (entry)
+#define ROOM (~0u)
 #define ONCE 1
 #define RESTARTS 0
 
@@ -76,4 +77,4 @@ static void lane_pop(lane *l, lane_more *m)
 {
 }
 
-#include "lockstep_trace.clh"
+#include "lockstep_kernel.clh"
