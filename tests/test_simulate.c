@@ -132,6 +132,11 @@ static void packets_take_their_steps_together(void **state)
     add_rays(7, "J1-0NB+0-0");
     expect_order_of(&in_packets, "b8 -1 N1 B1 +1 -0 e8");
 
+    no_rays(); /* a ray takes part no more */
+    add_ray("J1-1NB-0P4");
+    add_rays(7, "J1-1NB-1P4");
+    expect_order_of(&in_packets, "b8 -8 N8 B8 -7 P7 e8");
+
     no_rays(); /* packets that part: a leaf comes before the other's node, and waits after it */
     add_rays(8, "J1-1P4-1P4");
     add_rays(8, "J1-1NBB+1-1P4");
