@@ -82,18 +82,15 @@ static uint packet_few(bb_packet *p, uint which, global const BB_TRACE_NODE *nod
 
 /* Pushes the children of a node, given as bits, that some ray meets, the farthest first. Returns
  * false, and pushes none, if the stack is too short. */
-bool packet_node(bb_packet *p, bb_ray_floats entered, global const BB_TRACE_NODE *nodes, uint link,
-                 bb_packet_waiting stack[BB_STACK_SIZE + 1], uint *top)
+bool packet_node(bb_packet *p, bb_ray_floats entered, global const float *planes, uint children,
+                 global const uint *links, bb_packet_waiting stack[BB_STACK_SIZE + 1], uint *top)
 {
-    global const float *planes = BB_PLANES_AT(nodes, link);
-    global const uint *links = BB_LINKS_AT(nodes, link);
-    const uint children = BB_CHILDREN_AT(nodes, link), bottom = *top;
-    BB_PACKET_STEP(p, BB_STEP_NODE, link);
+    const uint bottom = *top;
     uint met = bb_packet_may_meet(p, planes) & children;
     while (met != 0u) {
         uint child = 31u - clz(met);
         met ^= 1u << child;
-        BB_PACKET_STEP(p, BB_STEP_BOX, link);
+        BB_PACKET_BOX(p);
         bb_ray_floats entry = bb_packet_entries(p, entered, planes, child);
         float nearest = bb_least_of(entry);
         if (nearest == INFINITY)
@@ -144,8 +141,11 @@ static uint trace_packet(bb_packet *p, global const BB_TRACE_NODE *nodes,
                 *blocker = link;
             else if (*blocker == link)
                 *blocker = BB_NONE;
-        } else if (!alone)
-            alone = !packet_node(p, entered, nodes, link, stack, &top);
+        } else if (!alone) {
+            BB_PACKET_NODE(p, link);
+            alone = !packet_node(p, entered, BB_PLANES_AT(nodes, link), BB_CHILDREN_AT(nodes, link),
+                                 BB_LINKS_AT(nodes, link), stack, &top);
+        }
         if (alone)
             failed |= packet_few(p, active, nodes, leaf_prims, link, ends);
     }
