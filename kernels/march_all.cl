@@ -20,6 +20,9 @@ kernel void march_all(float scale, global const bb_ray *rays, uint count, global
 #if BB_COUNTING
                       global bb_count *counts,
 #endif
+#if BB_RECORDING
+                      global const uint *step_ends, global uint *steps, global uint *step_counts,
+#endif
                       global const BB_VOXEL *voxels, global const float4 *table,
                       bb_march_args march)
 {
@@ -30,6 +33,9 @@ kernel void march_all(float scale, global const bb_ray *rays, uint count, global
     bb_ray_setup_make(&setup, &rays[id], scale);
     bb_search search;
     bb_search_start(&search, &setup, &rays[id]);
+#if BB_RECORDING
+    bb_record_start(&search.recorder, id, step_ends, steps);
+#endif
     bb_march_search_start(&search, &setup, scale, voxels, table, &march);
     float entry = search.tmin, exit = search.tmax;
     march_slab(&march, 0, scale, setup.o.x, setup.d.x, &entry, &exit);
@@ -38,11 +44,14 @@ kernel void march_all(float scale, global const bb_ray *rays, uint count, global
     if (entry <= exit) {
         uint first, end;
         bb_march_range(&search.found.march, entry, exit, &first, &end);
-        bb_march_integrate(&search.found.march, first, end);
+        bb_march_integrate(&search.found.march, first, end BB_RECORDER_OF(&search));
     }
     bb_search_write(&search, &setup, &lights[id]);
 #if BB_COUNTING
     search.prims = search.found.march.samples;
     bb_search_count(&search, false, &counts[id]);
+#if BB_RECORDING
+    step_counts[id] = search.recorder.count;
+#endif
 #endif
 }

@@ -106,11 +106,13 @@ bool bb_visit_leaf(bb_visitor *visitor, uint leaf)
 /* Returns whether a point is in a cell that is entirely inside. */
 bool bb_overlap_inside(const bb_locate_tree *tree, float3 point, uint *visited)
 {
+    BB_STEP_BY(tree->recorder, BB_STEP_AGAIN, 0);
 #if BB_LOCATE_OLBVH
     uint leaf = bb_olbvh_leaf(&tree->olbvh, point, visited);
     return leaf != BB_NONE && (tree->olbvh.bf[leaf] & BB_OLBVH_INSIDE) != 0;
 #else
-    uint2 leaf = bb_octree_leaf(tree->nodes, tree->args.root, &tree->grid, point, visited);
+    uint2 leaf = bb_octree_leaf(tree->nodes, tree->args.root, &tree->grid, point,
+                                visited BB_RECORDER_AT(tree));
     return (leaf.y & BB_OCTREE_INSIDE) != 0u;
 #endif
 }
@@ -123,7 +125,7 @@ kernel void overlap_tets(BB_LOCATE_PARAMETERS,
                          uint own_count, global uint *results
 #if BB_COUNTING
                          ,
-                         global bb_count *counts
+                         global bb_count *counts BB_RECORD_ARGUMENTS
 #endif
 )
 {
@@ -135,6 +137,7 @@ kernel void overlap_tets(BB_LOCATE_PARAMETERS,
     bb_location counted;
     counted.nodes = counted.restarts = 0;
     BB_LOCATE_TREE(tree);
+    BB_LOCATE_RECORD(tree, i);
     visitor.tree = &tree;
     visitor.tests = 0;
     visitor.flags = own_flags[i];
@@ -160,5 +163,6 @@ kernel void overlap_tets(BB_LOCATE_PARAMETERS,
     counts[i].prims = visitor.tests;
     counts[i].overflow = 0;
     counts[i].restarts = counted.restarts;
+    BB_LOCATE_RECORDED(i);
 #endif
 }

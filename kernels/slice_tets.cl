@@ -121,7 +121,7 @@ kernel void slice_tets(BB_LOCATE_PARAMETERS, global const uint *data,
                        bb_slice_args args, global bb_sliced *voxels
 #if BB_COUNTING
                        ,
-                       global bb_count *counts
+                       global bb_count *counts BB_RECORD_ARGUMENTS
 #endif
 )
 {
@@ -132,6 +132,7 @@ kernel void slice_tets(BB_LOCATE_PARAMETERS, global const uint *data,
         return;
     bb_locate_tree tree;
     BB_LOCATE_TREE(tree);
+    BB_LOCATE_RECORD(tree, i);
     float u0 = bb_slice_plane(&args, 0, u), u1 = bb_slice_plane(&args, 0, u + 1u);
     float v0 = bb_slice_plane(&args, 1, v), v1 = bb_slice_plane(&args, 1, v + 1u);
     float3 lo = bb_slice_point(&args, u0, v0, args.below);
@@ -171,5 +172,6 @@ kernel void slice_tets(BB_LOCATE_PARAMETERS, global const uint *data,
     counts[i].prims = found.tests;
     counts[i].overflow = 0;
     counts[i].restarts = found.restarts;
+    BB_LOCATE_RECORDED(i);
 #endif
 }

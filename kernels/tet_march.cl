@@ -30,7 +30,7 @@ kernel void tet_march(BB_LOCATE_PARAMETERS, global const uint *data,
                       global bb_light *lights
 #if BB_COUNTING
                       ,
-                      global bb_count *counts
+                      global bb_count *counts BB_RECORD_ARGUMENTS
 #endif
 )
 {
@@ -39,6 +39,7 @@ kernel void tet_march(BB_LOCATE_PARAMETERS, global const uint *data,
         return;
     bb_locate_tree tree;
     BB_LOCATE_TREE(tree);
+    BB_LOCATE_RECORD(tree, id);
     float3 o = vload3(0, rays[id].o), d = vload3(0, rays[id].d);
     float entry = rays[id].tmin, exit = BB_MIN(FLT_MAX, rays[id].tmax);
     float dt = march.step / sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
@@ -46,7 +47,8 @@ kernel void tet_march(BB_LOCATE_PARAMETERS, global const uint *data,
     bb_interval_box(vload3(0, march.lo), vload3(0, march.hi), o, d, &entry, &exit);
 #if BB_TET_INTERVAL && BB_LOCATE_OCTREE
     if (entry <= exit)
-        bb_octree_interval(tree.nodes, tree.args.root, &tree.grid, o, d, &entry, &exit, &visited);
+        bb_octree_interval(tree.nodes, tree.args.root, &tree.grid, o, d, &entry, &exit,
+                           &visited BB_RECORDER_AT(&tree));
 #elif BB_TET_INTERVAL && BB_LOCATE_OLBVH
     if (entry <= exit)
         bb_olbvh_interval(&tree.olbvh, o, d, &entry, &exit, &visited, &restarts);
@@ -61,6 +63,7 @@ kernel void tet_march(BB_LOCATE_PARAMETERS, global const uint *data,
         if (t <= rays[id].tmin || t >= rays[id].tmax)
             continue;
         bb_location found;
+        BB_STEP_BY(tree.recorder, BB_STEP_AGAIN, 0);
         bb_locate(&tree, o + t * d, &found);
         visited += found.nodes;
         if (found.tet == BB_NONE)
@@ -74,6 +77,7 @@ kernel void tet_march(BB_LOCATE_PARAMETERS, global const uint *data,
         float x = (bb_tet_value(&found.weights, values) - march.field_lo) * march.per_field;
         x = BB_MIN((float)(BB_TRANSFER_STEPS - 1), BB_MAX(0.0f, x));
         uint i = min((uint)x, BB_TRANSFER_STEPS - 2u);
+        BB_STEP_BY(tree.recorder, BB_STEP_LOOKUP, i);
         float4 seen = table[i];
         seen += (table[i + 1u] - seen) * (x - (float)i);
         if (seen.w <= 0.0f)
@@ -91,5 +95,6 @@ kernel void tet_march(BB_LOCATE_PARAMETERS, global const uint *data,
     counts[id].prims = samples;
     counts[id].overflow = 0;
     counts[id].restarts = restarts;
+    BB_LOCATE_RECORDED(id);
 #endif
 }

@@ -6,7 +6,7 @@
 #define SCENE "--scene interior:n=3000 --size 64x64 --max-rays 4096 --quick "
 #define ADVISE                                                                                     \
     "advise " SCENE "--quiet --count 1000 --builder lbvh,sah,hploc --kernel "                      \
-    "stack,stackless,packet8,stack8q:leaf=8 "
+    "stack,stackless,stack8i,stack8q:leaf=8 "
 #define H100 "simt:device=h100,width=32"
 
 static cJSON *advice(const char *before, const char *arguments)
@@ -241,7 +241,7 @@ static void what_cannot_be_simulated_is_refused(void **state)
     (void)state;
     refuses_bad_simulations("advise --scene cube");
     refuses("", "advise --scene cube --kernel packet8 --metrics simt",
-            "the steps of none of the kernels are recorded");
+            "bounds for none of the kernels, of which 'packet8' is");
     refuses("", "advise --scene cube --intersector fast --max-wrong-ppm 9 --metrics simt",
             "only `exact` is simulated, not 'fast'");
 }

@@ -4,7 +4,7 @@
 #define SIZES "--rays diffuse --size 64x64 --max-rays 4096 --repeats 1 --quiet --seed 5 "
 #define SCENE "--scene twist:n=2000,frames=5 "
 #define ANIMATE                                                                                    \
-    "animate " SCENE SIZES "--builder lbvh,lbvh+refit --kernel stack8,packet8,stack --json "
+    "animate " SCENE SIZES "--builder lbvh,lbvh+refit --kernel stack8,stack8i,stack --json "
 #define H100 "simt:device=h100,width=32"
 
 static cJSON *animation(const char *before, const char *arguments)
@@ -92,7 +92,7 @@ static void only_what_was_simulated_is(void **state)
         if (text_in(row, "simt_unsimulated")[0] == '\0')
             continue;
         assert_string_equal(text_in(row, "simt_unsimulated"),
-                            "the steps of kernel packet8 are not recorded");
+                            "the steps of kernel stack8i are not recorded");
         left_out++;
     }
     assert_int_equal(count, 2 * 2 * 2); /* frames, methods, kernels */

@@ -51,7 +51,7 @@ static uint32_t study(uint32_t at, bb_dvr *dvr)
     ASSERT_OK(bb_rays_reserve(&dvr->rays, PIXELS));
     asked = 0;
     interrupt_at = at;
-    ASSERT_OK(bb_dvr_measure_errors(dvr, NULL, (bb_contest_answers){&items, &counts}));
+    ASSERT_OK(bb_dvr_measure_errors(dvr, NULL, (bb_contest_answers){&items, &counts, NULL}));
     bb_host_free(dvr->rays.rays);
     bb_buffer_release(&dvr->rays.on_device);
     bb_buffer_release(&items);

@@ -6,6 +6,7 @@
 #include "framework/scene/camera.h"
 #include "framework/tasks/march.h"
 #include "tests/scene_files.h"
+#include "tests/steps_fixture.h"
 #include "tests/trace_fixture.h"
 
 enum { SIDE = 16, LOOSE = 200, RAYS = 3 * SIDE * SIDE + LOOSE };
@@ -61,7 +62,7 @@ static void march_all(bb_marcher *marcher, const bb_buffer *rays, bb_light *ligh
     bb_buffer d_lights, d_counts;
     make_buffer(&d_lights, NULL, RAYS * sizeof *lights);
     make_buffer(&d_counts, NULL, RAYS * sizeof *counts);
-    check(bb_march_all(marcher, rays, RAYS, &d_lights, &d_counts), "march without a tree");
+    check(bb_march_all(marcher, rays, RAYS, &d_lights, &d_counts, NULL), "march without a tree");
     check(bb_buffer_read(&d_lights, 0, RAYS * sizeof *lights, lights), "lights");
     check(bb_buffer_read(&d_counts, 0, RAYS * sizeof *counts, counts), "counts");
     bb_buffer_release(&d_lights);
@@ -88,6 +89,71 @@ static void march_tree(const bed *b, const bb_marcher *marcher, const bb_buffer 
                     .counts = &d_counts};
     bb_march_pass(marcher, &pass);
     check(bb_pass_run(&pass, RAYS, lights, counts), "march");
+    bb_buffer_release(&d_lights);
+    bb_buffer_release(&d_counts);
+}
+
+/* ---- steps ---- */
+
+typedef struct recorded {
+    bb_pass pass;
+    bb_marcher *marcher; /* without a tree */
+} recorded;
+
+static bb_status launch(void *self, const bb_recording *recording)
+{
+    recorded *r = self;
+    r->pass.recording = recording;
+    return r->marcher != NULL ? bb_march_all(r->marcher, r->pass.rays, RAYS, r->pass.results,
+                                             r->pass.counts, recording)
+                              : bb_pass_launch(&r->pass, RAYS);
+}
+
+static uint64_t searches; /* beyond each ray's first */
+
+/* Each ray's steps are as many as were counted: samples, and the table looked up at each; with the
+ * kernel `stackless`, nodes. */
+static void expect_steps(const bed *b, bb_marcher *marcher, const bb_buffer *rays,
+                         const bb_count *counts)
+{
+    bb_buffer d_lights, d_counts;
+    bb_steps steps;
+    make_buffer(&d_lights, NULL, RAYS * sizeof(bb_light));
+    make_buffer(&d_counts, NULL, RAYS * sizeof *counts);
+    recorded r = {.pass = {.rays = rays, .results = &d_lights, .counts = &d_counts}};
+    if (b != NULL) {
+        bb_traverser_request request = {.kernel = bb_kernel_find(b->kernel.name),
+                                        .spec = &b->kernel,
+                                        .intersector = bb_intersector_find("exact"),
+                                        .recording = true};
+        bb_march_traverser_request(marcher, &request);
+        r.pass.layout = &b->layout;
+        check(bb_traverser_get(device, &request, &b->layout, &r.pass.traverser), "traverser");
+        bb_march_pass(marcher, &r.pass);
+    } else {
+        r.marcher = marcher;
+    }
+    check(bb_steps_record_launch(device, launch, &r, RAYS, RAYS, &steps), "steps");
+    step_sums *sums = sum_steps(&steps);
+    for (uint32_t i = 0; i < RAYS; i++) {
+        const uint32_t *of = sums[i].of;
+        assert_int_equal(of[BB_STEP_SAMPLE], counts[i].prims);
+        assert_int_equal(of[BB_STEP_LOOKUP], counts[i].prims);
+        if (b != NULL && strcmp(b->kernel.name, "stackless") == 0) {
+            assert_int_equal(of[BB_STEP_NODE], counts[i].nodes);
+            assert_true(of[BB_STEP_SAMPLE] == 0 || of[BB_STEP_AGAIN] > 0);
+        }
+        if (b != NULL && strcmp(b->kernel.name, "stack") == 0)
+            assert_int_equal(2 * of[BB_STEP_NODE], counts[i].nodes);
+        assert_true(b != NULL || of[BB_STEP_NODE] + of[BB_STEP_AGAIN] == 0);
+        searches += of[BB_STEP_AGAIN];
+    }
+    free(sums);
+    bb_steps sample;
+    check(bb_steps_record_launch(device, launch, &r, RAYS, 2 * BB_STEPS_RUN, &sample), "sample");
+    expect_sample(&steps, &sample);
+    bb_steps_release(&sample);
+    bb_steps_release(&steps);
     bb_buffer_release(&d_lights);
     bb_buffer_release(&d_counts);
 }
@@ -146,12 +212,16 @@ static uint64_t compare_all(const char *name, const char *builder,
     bb_scene *scene = load(name);
     open_picture(&p, scene, settings);
     uint64_t all = samples_of(p.counts), first = 0;
+    expect_steps(NULL, p.marcher, &p.rays, p.counts);
     bed b;
     open_bed(&b, scene, builder, "stack", 1);
     for (size_t k = 0; k < (is_small() ? 3 : KERNELS); k++) {
         choose_kernel(&b, kernels[k], k % 2 == 0 ? 1 : 4);
         march_tree(&b, p.marcher, &p.rays, p.with, p.counts);
         expect_same(&b, builder, p.with, p.without);
+        if ((k < 2 || !in_order) && /* two kernels are quick to compile */
+            bb_kernel_records(bb_kernel_find(b.kernel.name), &bb_query_march))
+            expect_steps(&b, p.marcher, &p.rays, p.counts);
         /* others may begin again: where the order of children is only roughly right */
         if (k == 0)
             assert_true(samples_of(p.counts) <= all || !in_order);
@@ -190,7 +260,9 @@ static void trees_without_order_give_the_same_picture(void **state)
     static const char volume[] = "nbody:n=48,transfer=bone,brick=4";
     const bb_march_settings cut = {.step = 0.5f, .cutoff = 0.5f};
     uint64_t in_order = compare_all(volume, "vlbvh", &usual, true);
+    searches = 0;
     uint64_t begun_again = compare_all(volume, "lbvh:bits=3", &usual, false);
+    assert_true(searches > 0);
     assert_true(begun_again > in_order + in_order / 10);
     /* a leaf behind may be where the march ends, until the one before it is met */
     compare_all(volume, "lbvh:bits=3", &cut, false);

@@ -5,12 +5,51 @@
 #include "framework/scene/tets_gather.h"
 #include "framework/tasks/overlap.h"
 #include "tests/lattice_mesh.h"
+#include "tests/steps_fixture.h"
 
 static bool small, floats; /* floats: as on a device that has no doubles */
 
 static uint32_t tets_of(const bb_scene *scene)
 {
     return scene->prims[BB_TETRAHEDRON].count;
+}
+
+typedef struct overlapping {
+    bb_overlapper *overlapper;
+    bb_tet_search search;
+    const bb_scene *scene;
+    bool boundary;
+    bb_buffer *results, *counts;
+} overlapping;
+
+static bb_status launch(void *self, const bb_recording *recording)
+{
+    overlapping *o = self;
+    o->search.recording = recording;
+    return bb_overlap(o->overlapper, o->scene, &o->search, o->boundary, o->results, o->counts);
+}
+
+/* Each tetrahedron's steps at nodes are as many as were counted. */
+static void expect_steps(overlapping *o, uint32_t count)
+{
+    bb_simulated_code code;
+    bb_steps steps;
+    bb_count *counts = malloc(count * sizeof *counts);
+    if (bb_tet_search_code(&o->search, "overlap_tets", &code) != BB_OK) {
+        assert_int_equal(o->search.way, BB_SEARCH_OLBVH);
+        free(counts);
+        return;
+    }
+    check(bb_buffer_read(o->counts, 0, count * sizeof *counts, counts), "counts");
+    check(bb_steps_record_launch(device, launch, o, count, count, &steps), "steps");
+    step_sums *sums = sum_steps(&steps);
+    for (uint32_t i = 0; i < count; i++) {
+        assert_int_equal(sums[i].of[BB_STEP_NODE], counts[i].nodes);
+        assert_true(sums[i].of[BB_STEP_PRIMS] >= counts[i].prims); /* boxes that do not meet */
+    }
+    free(sums);
+    free(counts);
+    bb_steps_release(&steps);
 }
 
 /* Asks a way twice, counting and not; returns the pairs that it looked at. */
@@ -38,6 +77,8 @@ static uint64_t overlap(const bb_scene *scene, bb_scene *other, const tet_way *w
         check(bb_buffer_read(&there, 0, count * sizeof *results, to), "results");
     }
     assert_memory_equal(results, again, count * sizeof *again);
+    expect_steps(&(overlapping){&overlapper, s.search, scene, way->boundary, &there, &counted},
+                 count);
     check(bb_buffer_read(&counted, 0, count * sizeof *counts, counts), "counts");
     for (uint32_t i = 0; i < count; i++)
         tests += counts[i].prims;

@@ -22,22 +22,21 @@ static void no_rays(void)
     made = (bb_steps){.rays = 0, .ends = ends, .words = words};
 }
 
-/* Adds a ray: N7 a node, P7 a primitive, + a push, - a pop, R a restart, B7 a box; J1 joins its
- * packet, J leaves it; a number is 0 if it is left out. */
+/* Kinds of steps by their letters, then of a ray's beginning and end. */
+static const char letters[] = "N+P-RBSLAbe";
+
+/* Adds a ray: N7 a node, P7 a primitive, + a push, - a pop, R a restart, B7 a box, S7 a sample, L7
+ * what it looks up, A another search; J1 joins its packet, J leaves it; a number is 0 if it is left
+ * out. */
 static void add_ray(const char *steps)
 {
     uint32_t end = made.rays > 0 ? ends[made.rays - 1] : 0;
     for (const char *c = steps; *c != '\0';) {
         const char kind = *c++;
         const unsigned index = isdigit(*c) ? (unsigned)strtoul(c, (char **)&c, 10) : 0;
-        const uint32_t number = kind == 'N'   ? BB_STEP_NODE
-                                : kind == 'P' ? BB_STEP_PRIMS
-                                : kind == '+' ? BB_STEP_PUSH
-                                : kind == '-' ? BB_STEP_POP
-                                : kind == 'B' ? BB_STEP_BOX
-                                : kind == 'J' ? BB_STEP_MARK
-                                              : BB_STEP_RESTART;
-        assert_true(end < WORDS_MOST);
+        const uint32_t number =
+            kind == 'J' ? BB_STEP_MARK : (uint32_t)(strchr(letters, kind) - letters);
+        assert_true(end < WORDS_MOST && number <= BB_STEP_MARK);
         words[end++] = number << BB_STEP_INDEX_BITS | index;
     }
     ends[made.rays++] = end;
@@ -54,7 +53,6 @@ static void add_rays(uint32_t count, const char *steps)
 /* The steps that a group of all rays issues, as "N32 P16 ...": the kind and how many lanes. */
 static void expect_order_of(const bb_footing *f, const char *order)
 {
-    static const char letters[] = "N+P-RBbe";
     char text[1024] = "";
     bb_warp warp;
     bb_issue issue;
@@ -93,6 +91,12 @@ static void loops_are_left_together(void **state)
     add_ray("NNN");
     add_ray("NPN");
     expect_order(BB_WHILE_WHILE, 0, "b3 N3 N1 N1 P1 -1 N2 e3");
+
+    /* if-else: in an iteration a ray takes a node with what follows, or pops */
+    no_rays();
+    add_ray("N+N-NP-N");
+    add_ray("N+N+NP");
+    expect_order(BB_IF_ELSE, 0, "b2 N2 +2 N2 +1 N1 P1 -1 N1 P1 -1 N1 e2");
 
     /* pushes of one node, then those that go on */
     no_rays();
@@ -155,6 +159,55 @@ static void packets_take_their_steps_together(void **state)
     expect_order_of(&in_packets, "b4 N1 P1 -3 P3 e4");
 }
 
+static void samples_are_taken_together(void **state)
+{
+    (void)state;
+    /* after the primitives of a leaf, each with what it looks up; then pops */
+    no_rays();
+    add_ray("NPSLSL-NPSL");
+    add_ray("NPP-NPSL");
+    add_ray("NPSL");
+    expect_order(BB_WHILE_WHILE, 0, "b3 N3 P3 P1 S2 L2 S1 L1 -2 N2 P2 S2 L2 e3");
+    /* by leaf: a primitive's samples before the next primitive */
+    no_rays();
+    add_ray("NPSLPSL");
+    add_ray("NPPSL");
+    expect_order(BB_WHILE_WHILE, 0, "b2 N2 P2 P1 S2 L2 P1 S1 L1 e2");
+    expect_order(BB_IF_IF_BY_LEAF, 0, "b2 N2 P2 S1 L1 P2 S2 L2 e2");
+    /* without a tree */
+    no_rays();
+    add_ray("SLSL");
+    add_ray("SL");
+    add_ray("");
+    expect_order(BB_WHILE_WHILE, 0, "b3 S2 L2 S1 L1 e3");
+}
+
+static void searches_begin_together(void **state)
+{
+    (void)state;
+    /* who needs another search waits until all rays have ended the one before */
+    no_rays();
+    add_ray("NASLNP");
+    add_ray("NNN-NPANSL");
+    add_ray("NA");
+    expect_order(BB_WHILE_WHILE, 0, "b3 N3 N1 N1 -1 N1 P1 A3 S1 L1 N2 P1 S1 L1 e3");
+    /* with an empty stack, whatever the last one left */
+    no_rays();
+    add_ray("N+N+AN+");
+    bb_warp warp;
+    bb_issue issue;
+    uint32_t place = 9, pushes = 0;
+    bb_warp_start(&warp, &made, &(bb_footing){.control = BB_WHILE_WHILE, .group = 1, .packet = 1},
+                  0, 1);
+    while (bb_warp_next(&warp, &issue))
+        if (issue.kind == BB_STEP_PUSH) {
+            place = issue.index[0];
+            pushes++;
+        }
+    assert_int_equal(pushes, 3);
+    assert_int_equal(place, 0);
+}
+
 static void rays_wait_for_their_group(void **state)
 {
     (void)state;
@@ -183,8 +236,16 @@ static void rays_wait_for_their_group(void **state)
 
 /* ---- a machine ---- */
 
-static const bb_footing footing = {
-    .control = BB_WHILE_WHILE, .group = 32, .node_bytes = 64, .prim_bytes = 48, .result_bytes = 8};
+static const bb_footing footing = {.control = BB_WHILE_WHILE,
+                                   .group = 32,
+                                   .node_bytes = 64,
+                                   .prim_bytes = 48,
+                                   .item_bytes = sizeof(bb_ray),
+                                   .result_bytes = 8,
+                                   .voxel_bytes = 1,
+                                   .row = 9,
+                                   .slice = 81,
+                                   .entry_bytes = 16};
 
 static bb_traffic run(const bb_machine *machine, const bb_footing *f)
 {
@@ -339,6 +400,38 @@ static void packets_share_their_entries(void **state)
     t = run(&m, &in_packets);
     assert_int_equal(t.issued[BB_STEP_PUSH].count, 3);
     assert_int_equal(t.written, 2 + 2 + 2);
+}
+
+static void samples_read_eight_voxels(void **state)
+{
+    (void)state;
+    const bb_machine m = machine_of(32, 1, 1);
+    no_rays();
+    add_ray("S0L0"); /* voxels 0, 1, 9, 10, 81, 82, 90, 91; bytes 0 to 31 of the table */
+    bb_traffic t = run(&m, &footing);
+    expect_issued(&t, BB_STEP_SAMPLE, 1, 2, 1);
+    expect_issued(&t, BB_STEP_LOOKUP, 1, 1, 1);
+    no_rays();
+    add_ray("S47L7"); /* 47, 48, 56, 57, 128, 129, 137, 138; bytes 112 to 143 */
+    t = run(&m, &footing);
+    expect_issued(&t, BB_STEP_SAMPLE, 1, 2, 2);
+    expect_issued(&t, BB_STEP_LOOKUP, 1, 2, 2);
+    no_rays(); /* together: sectors 0, 1, 2, 4 of voxels, and 0, 3, 4 of the table */
+    add_ray("S0L0");
+    add_ray("S47L7");
+    t = run(&m, &footing);
+    expect_issued(&t, BB_STEP_SAMPLE, 1, 4, 2);
+    expect_issued(&t, BB_STEP_LOOKUP, 1, 3, 2);
+    bb_footing wide = footing;
+    wide.voxel_bytes = 2; /* bytes 0, 18, 162, 180, each of four: sectors 0, 5 */
+    no_rays();
+    add_ray("S0L0");
+    t = run(&m, &wide);
+    expect_issued(&t, BB_STEP_SAMPLE, 1, 2, 2);
+    wide.item_bytes = 0; /* nothing is read first */
+    expect_issued(&t, BB_ISSUE_BEGIN, 1, 1, 1);
+    t = run(&m, &wide);
+    expect_issued(&t, BB_ISSUE_BEGIN, 1, 0, 0);
 }
 
 static void caches_find_what_they_hold(void **state)
@@ -540,18 +633,19 @@ static bb_simulation simulate(const bb_simt *simt)
 static void packets_are_bounded_by_traffic_alone(void **state)
 {
     (void)state;
-    bb_simt simt;
+    bb_simt simts[BB_SIMT_MAX];
+    uint32_t count;
     no_rays();
     add_rays(16, "J1-1N5B5B5+1-1P3");
     add_rays(16, "J1-0N5B5B5+1-1P3");
-    ASSERT_OK(bb_simt_parse("simt:device=h100", &simt));
-    const bb_simulation s = simulate_kernel(&simt, "packet8");
+    ASSERT_OK(bb_simts_parse((char *[]){"simt:device=h100"}, 1, simts, &count));
+    const bb_simulation s = simulate_kernel(&simts[0], "packet8");
     assert_true(isnan(s.mrays_s) && isnan(s.issue_mrays_s) && isnan(s.efficiency));
     assert_true(s.memory_mrays_s > 0 && isfinite(s.memory_mrays_s));
     assert_true(s.l1_mrays_s > 0 && s.l2_mrays_s > 0);
     assert_true(s.node_efficiency == 0.5 && s.prim_efficiency == 1.0);
     assert_true(s.steps == 7); /* pop, node, two boxes, push, pop, primitive */
-    assert_true(s.in_flight == simt.device.groups);
+    assert_true(s.in_flight == simts[0].device.groups);
 }
 
 static void bounds_are_those_of_the_device(void **state)
@@ -601,6 +695,14 @@ static void bounds_are_those_of_the_device(void **state)
     assert_int_equal(simulate(&other).binds, BB_BY_MEMORY);
     assert_true(simulate(&other).mrays_s == simulate(&other).memory_mrays_s);
 
+    /* where instructions are not known, what depends on them is left out */
+    const bb_simulated_code unknown = {
+        .program = "slice_tets/skip", .kernel = "slice_tets", .footing = footing};
+    bb_simulation less;
+    ASSERT_OK(bb_simulate_code(&simt, &unknown, &made, &less));
+    assert_true(isnan(less.mrays_s) && isnan(less.issue_mrays_s) && isnan(less.efficiency));
+    assert_true(less.l1_mrays_s > 0 && less.memory_mrays_s > 0 && less.node_efficiency > 0);
+
     /* registers, and the most groups, limit what is in flight */
     const bb_description d = {.groups = 64, .registers = 65536, .register_step = 8};
     assert_int_equal(bb_description_in_flight(&d, 32, 32), 64);
@@ -614,10 +716,13 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(loops_are_left_together),
         cmocka_unit_test(packets_take_their_steps_together),
+        cmocka_unit_test(samples_are_taken_together),
+        cmocka_unit_test(searches_begin_together),
         cmocka_unit_test(rays_wait_for_their_group),
         cmocka_unit_test(efficiency_is_that_of_active_lanes),
         cmocka_unit_test(sectors_of_a_step_are_distinct),
         cmocka_unit_test(packets_share_their_entries),
+        cmocka_unit_test(samples_read_eight_voxels),
         cmocka_unit_test(caches_find_what_they_hold),
         cmocka_unit_test(work_groups_are_not_torn_apart),
         cmocka_unit_test(the_second_cache_begins_warm),

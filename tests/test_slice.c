@@ -5,12 +5,55 @@
 #include "framework/tasks/slice.h"
 #include "tests/lattice_mesh.h"
 #include "tests/locate_all.h"
+#include "tests/steps_fixture.h"
 
 static bool small, floats; /* floats: as on a device that has no doubles */
 
 static uint32_t tets_of(const bb_scene *scene)
 {
     return scene->prims[BB_TETRAHEDRON].count;
+}
+
+typedef struct slicing {
+    bb_tet_kernels *slicer;
+    bb_tet_search search;
+    const bb_slice_args *args;
+    bool boundary;
+    bb_buffer *voxels, *counts;
+} slicing;
+
+static bb_status launch(void *self, const bb_recording *recording)
+{
+    slicing *s = self;
+    s->search.recording = recording;
+    return bb_slice(s->slicer, &s->search, s->boundary, s->args, s->voxels, s->counts);
+}
+
+/* Each voxel's steps at nodes are as many as were counted; with all tetrahedra, each search reads
+ * all until it ends. */
+static void expect_steps(slicing *s, uint32_t count)
+{
+    bb_simulated_code code;
+    bb_steps steps;
+    bb_count *counts = malloc(count * sizeof *counts);
+    if (bb_tet_search_code(&s->search, "slice_tets", &code) != BB_OK) {
+        assert_int_equal(s->search.way, BB_SEARCH_OLBVH);
+        free(counts);
+        return;
+    }
+    check(bb_buffer_read(s->counts, 0, count * sizeof *counts, counts), "counts");
+    check(bb_steps_record_launch(device, launch, s, count, count, &steps), "steps");
+    step_sums *sums = sum_steps(&steps);
+    for (uint32_t i = 0; i < count; i++) {
+        const uint32_t *of = sums[i].of;
+        assert_int_equal(of[BB_STEP_NODE], counts[i].nodes);
+        assert_true(of[BB_STEP_AGAIN] <= 1 && of[BB_STEP_POP] <= of[BB_STEP_PUSH]);
+        if (of[BB_STEP_AGAIN] == 0)
+            assert_int_equal(of[BB_STEP_PRIMS], counts[i].prims);
+    }
+    free(sums);
+    free(counts);
+    bb_steps_release(&steps);
 }
 
 /* Asks a way twice, counting and not. */
@@ -34,6 +77,7 @@ static void slice(const bb_slice_args *args, bb_scene *scene, const tet_way *way
               "results");
     }
     assert_memory_equal(results, again, count * sizeof *again);
+    expect_steps(&(slicing){&slicer, s.search, args, way->boundary, &there, &counted}, count);
     bb_buffer_release(&there);
     bb_buffer_release(&counted);
     bb_tet_kernels_release(&slicer);

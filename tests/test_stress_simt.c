@@ -4,7 +4,7 @@
 #include <math.h>
 
 #define STRESS "stress --limit 60 --no-pictures --quiet --quick "
-#define METHODS "--builder lbvh,sah --kernel stack8,packet8 --intersector exact,fast "
+#define METHODS "--builder lbvh,sah --kernel stack8,stack8i --intersector exact,fast "
 #define H100 "simt:device=h100,width=32"
 
 static int make_axes(void **state)
@@ -73,7 +73,7 @@ static void figures_are_those_of_run(void **state)
         assert_true(!is_simulated(row) ||
                     cJSON_GetObjectItemCaseSensitive(row, "trace_ms") == NULL);
     }
-    assert_int_equal(count, 3 * 4 * 2); /* values; packet8 and fast are not simulated; devices */
+    assert_int_equal(count, 3 * 4 * 2); /* values; stack8i and fast are not simulated; devices */
     cJSON_Delete(ran);
     cJSON_Delete(atlas);
     expect(0, "report s/stress.json", "Simulated: neither measured nor validated, " H100);

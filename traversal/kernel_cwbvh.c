@@ -15,6 +15,6 @@ const bb_kernel bb_kernel_cwbvh = {
     .source = "cwbvh.cl",
     .queries = BB_ALONG_RAYS,
     .ordered = true,
-    .control = BB_IF_IF,
+    .control = BB_IF_IF_BY_LEAF,
     .variants = variants,
 };

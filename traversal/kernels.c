@@ -49,6 +49,12 @@ uint32_t bb_kernel_recorded_packet(const bb_kernel *kernel, const bb_spec *spec)
     return bb_spec_is(spec, kernel->options, "rays", "16") ? 16 : 8;
 }
 
+bool bb_kernel_records(const bb_kernel *kernel, const bb_query *query)
+{
+    return query->is_recorded && kernel->control != BB_CONTROL_UNKNOWN &&
+           (kernel->control != BB_PACKETS || query->is_hit);
+}
+
 bool bb_kernel_is_for_cpus(const bb_kernel *kernel)
 {
     uint32_t devices = 0;

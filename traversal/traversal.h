@@ -193,6 +193,8 @@ typedef enum bb_control {
     BB_CONTROL_UNKNOWN, /* its steps are not recorded */
     BB_WHILE_WHILE,     /* nodes until none is next, primitives likewise, then pops likewise */
     BB_IF_IF,           /* one node, if it is next; primitives; pops, and so on */
+    BB_IF_ELSE,         /* one node, if it is next, and its primitives; or else one pop */
+    BB_IF_IF_BY_LEAF, /* BB_IF_IF, where each primitive is a leaf, with all that follows from it */
     /* of each packet a pop; primitives, or a node and its boxes one by one; rays that go on alone,
      * as while-while; and so on */
     BB_PACKETS,
@@ -232,6 +234,8 @@ const bb_kernel *bb_kernel_for_any_leaf(bool recorded);
 extern const bb_option bb_kernel_common_options[];
 /* Returns the rays of a packet, if its steps are recorded; 1: it traces rays one by one. */
 uint32_t bb_kernel_recorded_packet(const bb_kernel *kernel, const bb_spec *spec);
+/* Returns whether its steps for this query can be recorded; those of packets for hits alone. */
+bool bb_kernel_records(const bb_kernel *kernel, const bb_query *query);
 /* Returns whether all its variants that are taken by default are for CPUs only. */
 bool bb_kernel_is_for_cpus(const bb_kernel *kernel);
 /* Checks a kernel's specification against its own options and the common ones. BB_INVALID names an

@@ -233,8 +233,7 @@ static bb_status check_request(const bb_traverser_request *request, const bb_lay
         bb_prim_kind_names(query->kinds, kinds, sizeof kinds);
         return bb_fail(BB_UNSUPPORTED, "%s queries are for %s alone", query->name, kinds);
     }
-    if (request->recording &&
-        (kernel->control == BB_CONTROL_UNKNOWN || !query->is_hit || is_sorted(request)))
+    if (request->recording && (!bb_kernel_records(kernel, query) || is_sorted(request)))
         return bb_fail(BB_UNSUPPORTED, "steps of kernel %s%s are not recorded for %s queries",
                        kernel->name, is_sorted(request) ? ":sort=yes" : "", query->name);
     if (kernel->trail_max > 0 && layout->levels > kernel->trail_max)

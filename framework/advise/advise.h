@@ -32,7 +32,7 @@ typedef struct bb_advise_request {
     uint32_t repeats;       /* rounds of the last heat, at least 6 */
     double memory;          /* bytes for trees, scratch and layouts at a time */
     /* Simulations by which the least is found, too, apart from all that is measured; and the
-     * kernels for that, whose steps are recorded */
+     * kernels for that, which simulations have bounds for */
     char *const *metrics;
     const bb_simt *simts; /* the same, read */
     uint32_t simt_count;

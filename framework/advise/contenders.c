@@ -4,6 +4,7 @@
 #include "framework/builder/pipeline.h"
 #include "framework/builder/registry.h"
 #include "framework/record/cell.h"
+#include "framework/simulate/simulate.h"
 #include "traversal/traversal.h"
 
 #include <stdio.h>
@@ -78,13 +79,13 @@ bb_status bb_tried_intersectors(bb_tried *list)
     return BB_OK;
 }
 
-bb_status bb_tried_recorded(const bb_tried *kernels, bb_tried *list)
+bb_status bb_tried_bounded(const bb_tried *kernels, bb_tried *list)
 {
     for (size_t i = 0; i < kernels->count; i++) {
         bb_spec spec;
         const bb_kernel *kernel;
         BB_TRY(bb_kernel_parse(kernels->items[i], &spec, &kernel));
-        if (kernel->control != BB_CONTROL_UNKNOWN)
+        if (bb_simulates_bounds(kernel))
             BB_TRY(bb_tried_add(list, kernels->items[i]));
     }
     return BB_OK;

@@ -31,8 +31,8 @@ bb_status bb_tried_builders(bb_tried *list);
 bb_status bb_tried_kernels(bb_tried *list, uint32_t device);
 bb_status bb_tried_intersectors(bb_tried *list);
 
-/* Appends those kernels of `kernels` whose steps are recorded. */
-bb_status bb_tried_recorded(const bb_tried *kernels, bb_tried *list);
+/* Appends those kernels of `kernels` that simulations have bounds for. */
+bb_status bb_tried_bounded(const bb_tried *kernels, bb_tried *list);
 
 /* Returns the first intersector that is exact; NULL: there is none. */
 const char *bb_tried_exact(const bb_tried *intersectors);

@@ -435,8 +435,8 @@ static bb_status check_simulated(const bb_advise_request *request)
 {
     if (request->simulated_kernels.count == 0)
         return bb_fail(BB_INVALID,
-                       "--metrics: the steps of none of the kernels are recorded, of "
-                       "which '%s' is the first: add one such as stack",
+                       "--metrics: simulations have bounds for none of the kernels, of which '%s' "
+                       "is the first: add one such as stack",
                        request->kernels.items[0]);
     return bb_tried_exact(&request->intersectors) != NULL
                ? BB_OK

@@ -36,7 +36,7 @@ static bb_status simulate(bb_advice *advice, const bb_heat *heat, const char *wh
 
 /* ---- a course ---- */
 
-/* What is simulated: the contenders of the advice, by the kernels whose steps are recorded, and by
+/* What is simulated: the contenders of the advice, by the kernels that have bounds, and by
  * `exact`, whose code is known. */
 typedef struct parts {
     const bb_tried *builders, *kernels;

@@ -34,12 +34,12 @@ static bb_status ready(bb_contest *c, const bb_contest_runner *r)
     if (r->without)
         return BB_OK;
     const bb_contest_entrant *e = &c->entrants[r->entrant];
-    return bb_contest_bring(c, e, &e->choices[r->choice]);
+    return bb_contest_bring(c, e, e->choices[r->choice].layout);
 }
 
 static bb_contest_answers answers_of(bb_contest *c, bool counting)
 {
-    return (bb_contest_answers){&c->d_answers, counting ? &c->d_counts : NULL};
+    return (bb_contest_answers){&c->d_answers, counting ? &c->d_counts : NULL, NULL};
 }
 
 /* Answers and counts of a way. */
@@ -98,7 +98,7 @@ static bb_status compare_question(bb_contest *c, uint32_t question)
         BB_TRY(ask(c, &c->runners[w], items, c->with));
         add_answers(c, items, &c->ways[w]);
     }
-    return BB_OK;
+    return question == 0 ? bb_contest_simulate(c, items) : BB_OK;
 }
 
 static bb_status compare_answers(bb_contest *c)
@@ -367,6 +367,8 @@ static void fill(const bb_contest *c, bb_table *table)
     task->fill(task->self, table, bb_contest_scene_row(table, c->request->name, NULL));
     bb_contest_fill(table, c->request->name, c->ways, c->way_count, (double)c->items / answers,
                     tets);
+    bb_contest_fill_simulated(table, c->request->name, c->ways, c->way_count, c->request->simts,
+                              c->request->simt_count);
 }
 
 bb_status bb_contest_run(const bb_contest_request *request, const bb_contest_task *task,

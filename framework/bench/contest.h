@@ -11,6 +11,7 @@
 #include "framework/bench/contest_table.h"
 #include "framework/bench/resident.h"
 #include "framework/bench/tet_search.h"
+#include "framework/simulate/simulate.h"
 #include "traversal/traversal.h"
 
 enum { BB_CONTEST_SCENES_MAX = 2 };
@@ -34,6 +35,8 @@ typedef struct bb_contest_request {
     const char *files;    /* the beginning of their names, from the table's folder */
     bb_audit *audit;      /* gets all timings; NULL: none is asked for */
     bb_bystanders *watch; /* of other programs; NULL: nobody is warned */
+    const bb_simt *simts; /* simulations of each way's answer to the first question */
+    uint32_t simt_count;
 } bb_contest_request;
 
 /* A way at work: per scene a tree with its layout; without a tree, a list. */
@@ -43,6 +46,8 @@ typedef struct bb_contest_runner {
     const bb_layout *layout; /* NULL without a tree */
     const bb_layout_data *data[BB_CONTEST_SCENES_MAX];
     bb_buffer lists[BB_CONTEST_SCENES_MAX];
+    const bb_kernel *kernel; /* that traces, by its specification; NULL: a search */
+    const bb_spec *spec;
     bb_traverser *traversers[2]; /* the task's to fill: not counting, counting; NULL: a search */
     bool by_boundary;            /* flags of the boundary are used */
     uint32_t entrant, choice;    /* the contest's own */
@@ -51,6 +56,7 @@ typedef struct bb_contest_runner {
 /* Answers on the device; `counts` (bb_count) is NULL if they are not asked for. */
 typedef struct bb_contest_answers {
     bb_buffer *items, *counts;
+    const bb_recording *recording; /* steps are recorded, and counted; NULL: they are not */
 } bb_contest_answers;
 
 /* What is asked. Functions return BB_UNSUPPORTED or BB_REFUSED in compile() for what the way cannot
@@ -70,12 +76,14 @@ typedef struct bb_contest_task {
     uint32_t questions;
     /* Makes a question ready, and says how many items it has. */
     bb_status (*take)(void *self, uint32_t question, uint32_t *items);
-    /* Compiles a kernel for a way, whose layout is on the device. NULL: ways search tetrahedra;
+    /* Compiles the kernel of a way, whose layout is on the device. NULL: ways search tetrahedra;
      * with faces, so do all ways but theirs. */
-    bb_status (*compile)(void *self, const bb_kernel *kernel, const bb_spec *spec,
-                         bb_contest_runner *runner);
+    bb_status (*compile)(void *self, bb_contest_runner *runner);
     /* Enqueues the question. */
     bb_status (*ask)(void *self, const bb_contest_runner *runner, bb_contest_answers answers);
+    /* Says what a way's steps read, whose layout is in the runner. BB_UNSUPPORTED if they cannot be
+     * recorded. NULL: those of no way can. */
+    bb_status (*code)(void *self, const bb_contest_runner *runner, bb_simulated_code *code);
     /* Adds to what the way has of differences beside `differ`. */
     void (*compare)(void *self, const void *first, const void *own, uint32_t items,
                     bb_contest_way *way);

@@ -42,10 +42,15 @@ static bb_status parse_choice(bb_contest *c, const char *text, bool tets,
         BB_TRY(bb_kernel_parse(text, &out->spec, &out->kernel));
         BB_TRY(bb_spec_u64(&out->spec, bb_kernel_common_options, "leaf", 1, BB_LEAF_MAX, &leaf));
     }
-    const bb_layout_wish wish = tets ? (bb_layout_wish){0} : bb_kernel_wish(&out->spec);
-    return bb_residency_layout(&c->residency,
-                               bb_layout_find(tets ? out->spec.name : out->kernel->layout), &wish,
-                               (uint32_t)leaf, BB_FORMAT_VERTICES, &out->layout);
+    const bb_layout *layout = bb_layout_find(tets ? out->spec.name : out->kernel->layout);
+    bb_layout_wish wish = tets ? (bb_layout_wish){0} : bb_kernel_wish(&out->spec);
+    BB_TRY(bb_residency_layout(&c->residency, layout, &wish, (uint32_t)leaf, BB_FORMAT_VERTICES,
+                               &out->layout));
+    wish.preorder = layout->array.name == NULL; /* arrays rely on the tree's own numbers */
+    return c->request->simt_count == 0
+               ? BB_OK
+               : bb_residency_layout(&c->residency, layout, &wish, (uint32_t)leaf,
+                                     BB_FORMAT_VERTICES, &out->simulated);
 }
 
 bb_status bb_contest_search(const bb_contest_runner *r, const bb_contest_task *task,
@@ -63,14 +68,13 @@ void bb_contest_pin(bb_contest *c, const bb_contest_entrant *e)
     bb_residency_pin(&c->residency, e->trees, e->tree_count);
 }
 
-bb_status bb_contest_bring(bb_contest *c, const bb_contest_entrant *e,
-                           const bb_contest_search_choice *how)
+bb_status bb_contest_bring(bb_contest *c, const bb_contest_entrant *e, uint32_t layout)
 {
     bb_contest_pin(c, e);
     for (uint32_t s = 0; s < e->tree_count; s++)
         BB_TRY(bb_resident_tree(&c->residency, &e->trees[s]));
     for (uint32_t s = 0; s < e->tree_count; s++)
-        BB_TRY(bb_resident_layout(&c->residency, &e->trees[s], how->layout));
+        BB_TRY(bb_resident_layout(&c->residency, &e->trees[s], layout));
     return BB_OK;
 }
 
@@ -81,9 +85,11 @@ static bb_status make_runner(bb_contest *c, const bb_contest_entrant *e, bb_cont
     r->layout = c->residency.layouts[how->layout].layout;
     for (uint32_t s = 0; s < e->tree_count; s++)
         r->data[s] = &e->trees[s].layouts[how->layout];
-    BB_TRY(bb_contest_bring(c, e, how));
+    BB_TRY(bb_contest_bring(c, e, how->layout));
+    r->kernel = how->kernel;
+    r->spec = &how->spec;
     if (how->kernel != NULL)
-        BB_TRY(c->task->compile(c->task->self, how->kernel, &how->spec, r));
+        BB_TRY(c->task->compile(c->task->self, r));
     else
         r->by_boundary = bb_tet_search_by_boundary(&how->spec);
     for (uint32_t s = 0; s < e->tree_count; s++) {

@@ -1,4 +1,5 @@
-/* What the parts of a contest share: contest_make.c, and above it contest.c. */
+/* What the parts of a contest share: contest_make.c, contest_simulate.c, and above them
+ * contest.c. */
 #ifndef BB_CONTEST_PRIVATE_H
 #define BB_CONTEST_PRIVATE_H
 
@@ -8,8 +9,8 @@
 /* A search, or a kernel, and the index of the layout that it reads. */
 typedef struct bb_contest_search_choice {
     bb_spec spec;
-    const bb_kernel *kernel; /* NULL: searches tetrahedra */
-    uint32_t layout;
+    const bb_kernel *kernel;    /* NULL: searches tetrahedra */
+    uint32_t layout, simulated; /* the same to be simulated: of the tree in preorder */
 } bb_contest_search_choice;
 
 /* A builder: per scene its tree. */
@@ -46,13 +47,16 @@ typedef struct bb_contest {
 
 /* Makes trees, layouts and programs of all ways, and chooses the base. */
 bb_status bb_contest_make(bb_contest *contest);
+
+/* Simulates all ways on the present question, of so many items, whose answers by the base are in
+ * contest->without. */
+bb_status bb_contest_simulate(bb_contest *contest, uint32_t items);
 void bb_contest_clean_up(bb_contest *contest);
 
 /* Keeps the builder's trees of all scenes beside each other, until another builder's are pinned. */
 void bb_contest_pin(bb_contest *contest, const bb_contest_entrant *entrant);
 
-/* Sees to it that trees and layouts of a way are on the device. */
-bb_status bb_contest_bring(bb_contest *contest, const bb_contest_entrant *entrant,
-                           const bb_contest_search_choice *search);
+/* Sees to it that an entrant's trees are on the device, with this layout. */
+bb_status bb_contest_bring(bb_contest *contest, const bb_contest_entrant *entrant, uint32_t layout);
 
 #endif

@@ -3,6 +3,7 @@
 
 #include "framework/scene/tets.h"
 
+#include <math.h>
 #include <string.h>
 
 const bb_column bb_column_status =
@@ -49,6 +50,16 @@ BB_EXACT(references, "references", "references", "", "Of the tree's leaves to pr
 BB_EXACT(per_primitive, "references_per_primitive", "references per primitive", "", "Of the tree.",
          LESS, 2);
 
+BB_TEXT(unsimulated, "simt_unsimulated", "not simulated", "Why there are no simulated figures.");
+BB_TEXT(binds, "simt_binds", "binds", "What bounds the simulated speed: issue, L1, L2 or memory.");
+/* Of ways on GPUs on paper: an item that is answered is a ray here. */
+static const bb_column simulated_columns[] = {
+#define SIMT(id, member, name, unit, better, heading, help)                                        \
+    BB_EXACT_COLUMN(name, name, unit, "Simulated, neither measured nor validated: " help ".",      \
+                    better, -1),
+#include "framework/simulate/simt_figures.h"
+};
+
 static const bb_axes axes = {BB_DRAW_BARS, "ms", "", false, false};
 static const bb_axes by_step = {BB_DRAW_LINES, "step", "error of a channel", true, true};
 static const bb_axes by_time = {BB_DRAW_LINES, "last picture ms", "error of a channel", true, true};
@@ -66,6 +77,7 @@ const bb_table_view bb_contest_views[BB_CONTEST_VIEWS] = {
                  PLAIN("aspect_max"), PLAIN("meeting")}},
     {.caption = "Ways",
      .with = BB_SET(BB_INTERSECTOR),
+     .without = BB_SET(BB_MAKER),
      .rows = BB_SET(BB_BUILDER) | BB_SET(BB_INTERSECTOR),
      .columns = {PLAIN("build_ms"),
                  PLAIN("layout_ms"),
@@ -84,9 +96,27 @@ const bb_table_view bb_contest_views[BB_CONTEST_VIEWS] = {
                  PLAIN("refused")}},
     {.caption = "Time",
      .with = BB_SET(BB_INTERSECTOR),
+     .without = BB_SET(BB_MAKER),
      .rows = BB_SET(BB_BUILDER) | BB_SET(BB_INTERSECTOR),
      .columns = {PLAIN("build_ms"), PLAIN("layout_ms"), PLAIN("answer_ms")},
      .axes = &axes},
+    {.caption = "Simulated: neither measured nor validated",
+     .with = BB_SET(BB_INTERSECTOR) | BB_SET(BB_MAKER),
+     .rows = BB_SET(BB_BUILDER) | BB_SET(BB_INTERSECTOR),
+     .each = BB_SET(BB_MAKER),
+     .columns = {{{"simt_mrays_s"}, "bound", false},
+                 {{"simt_binds"}, "by", false},
+                 {{"simt_l1_mrays_s"}, "L1", false},
+                 {{"simt_l2_mrays_s"}, "L2", false},
+                 {{"simt_memory_mrays_s"}, "memory", false},
+                 {{"simt_efficiency"}, "SIMT efficiency", false},
+                 {{"simt_node_efficiency"}, "at nodes", false},
+                 {{"simt_prim_efficiency"}, "at primitives", false},
+                 {{"simt_sample_efficiency"}, "at samples", false},
+                 {{"simt_steps_per_ray"}, "steps", false},
+                 {{"simt_lines_per_step"}, "lines", false},
+                 {{"simt_memory_bytes"}, "memory", false},
+                 {{"simt_unsimulated"}, "not simulated", false}}},
     {.caption = "Accuracy",
      .with = BB_SET(BB_QUESTION),
      .rows = BB_SET(BB_QUESTION),
@@ -191,4 +221,32 @@ void bb_contest_fill(bb_table *table, const char *scene, const bb_contest_way *w
         if (way->nodes > 0)
             fill_tree(table, scene, way, primitives);
     }
+}
+
+static void fill_simulation(bb_table *table, uint32_t row, const bb_simulation *s)
+{
+    uint32_t n = 0;
+#define SIMT(id, member, name, unit, better, heading, help)                                        \
+    bb_table_set_number(table, row, &simulated_columns[n++], s->member);
+#include "framework/simulate/simt_figures.h"
+    if (isfinite(s->mrays_s))
+        bb_table_set_text(table, row, &binds, bb_binding_word(s->binds));
+}
+
+void bb_contest_fill_simulated(bb_table *table, const char *scene, const bb_contest_way *ways,
+                               uint32_t count, const bb_simt *simts, uint32_t simt_count)
+{
+    for (uint32_t w = 0; w < count; w++)
+        for (uint32_t i = 0; i < simt_count; i++) {
+            const bb_contest_way *way = &ways[w];
+            const char *search = way->builder[0] == '\0' ? "no tree" : way->search;
+            if (way->refused[0] != '\0')
+                continue;
+            if (way->simulated)
+                fill_simulation(table, row_of(table, scene, way, simts[i].name, search),
+                                &way->simulations[i]);
+            else if (way->unsimulated[0] != '\0')
+                bb_table_set_text(table, row_of(table, scene, way, simts[i].name, search),
+                                  &unsimulated, way->unsimulated);
+        }
 }

@@ -5,9 +5,10 @@
 
 #include "framework/base/statistics.h"
 #include "framework/builder/builder.h"
+#include "framework/simulate/simulate.h"
 #include "framework/table/outline.h"
 
-enum { BB_CONTEST_WAYS_MAX = 64, BB_CONTEST_VIEWS = 8, BB_CONTEST_VIEWS_BRIEF = 6 };
+enum { BB_CONTEST_WAYS_MAX = 64, BB_CONTEST_VIEWS = 9, BB_CONTEST_VIEWS_BRIEF = 7 };
 
 /* A phase of a build. */
 typedef struct bb_contest_phase {
@@ -35,6 +36,9 @@ typedef struct bb_contest_way {
     uint32_t most_8;               /* and that in 8 bits */
     uint64_t differ;               /* items whose answers differ at all */
     uint64_t overflown;            /* items for which a stack was too small */
+    bool simulated;                /* there are simulations, as many as were asked for */
+    char unsimulated[320];         /* why there are none; "": there are, or none was asked for */
+    bb_simulation simulations[BB_SIMT_MAX];
 } bb_contest_way;
 
 /* Views of all contests, for bb_page_outline; the last ones are those of trees and phases. */
@@ -56,6 +60,10 @@ extern const bb_column bb_column_picture;
  * scene, which references are counted by; 0: they are not. */
 void bb_contest_fill(bb_table *table, const char *scene, const bb_contest_way *ways, uint32_t count,
                      double items, double primitives);
+
+/* Adds each simulation as a row of its way, with the simulation's name as the maker. */
+void bb_contest_fill_simulated(bb_table *table, const char *scene, const bb_contest_way *ways,
+                               uint32_t count, const bb_simt *simts, uint32_t simt_count);
 
 /* The row of a scene, with a question (NULL: without). */
 uint32_t bb_contest_scene_row(bb_table *table, const char *scene, const char *question);

@@ -139,6 +139,54 @@ uint32_t bb_tet_search_args(const bb_tet_search *search, bb_arg args[BB_TET_SEAR
     return n;
 }
 
+uint32_t bb_tet_count_args(const bb_tet_search *search, const bb_buffer *counts,
+                           bb_arg args[BB_TET_COUNT_ARGS])
+{
+    uint32_t n = 0;
+    if (counts != NULL)
+        args[n++] = BB_MEM(*counts);
+    if (search->recording != NULL) {
+        args[n++] = BB_MEM(search->recording->ends);
+        args[n++] = BB_MEM(search->recording->steps);
+        args[n++] = BB_MEM(search->recording->counts);
+    }
+    return n;
+}
+
+bb_tet_counting bb_tet_counting_for(const bb_tet_search *search, const bb_buffer *counts)
+{
+    return search->recording != NULL ? BB_TET_RECORDING
+           : counts != NULL          ? BB_TET_COUNTING
+                                     : BB_TET_PLAIN;
+}
+
+bb_status bb_tet_search_code(const bb_tet_search *search, const char *kernel,
+                             bb_simulated_code *code)
+{
+    static const struct {
+        const char *name;
+        uint32_t node_bytes;
+    } ways[BB_SEARCH_WAYS] = {[BB_SEARCH_SKIP] = {"skip", sizeof(bb_node)},
+                              [BB_SEARCH_OCTREE] = {"octree", 2 * sizeof(bb_u32)},
+                              [BB_SEARCH_ALL] = {"all", 0}};
+    if (ways[search->way].name == NULL)
+        return bb_fail(BB_UNSUPPORTED, "the steps of this search are not recorded");
+    snprintf(code->program, sizeof code->program, "%s/%s", kernel, ways[search->way].name);
+    code->kernel = kernel;
+    bb_footing *f = &code->footing;
+    *f = (bb_footing){.control = BB_IF_ELSE,
+                      .group = BB_TET_GROUP,
+                      .node_bytes = ways[search->way].node_bytes,
+                      .prim_bytes = search->args.words * (uint32_t)sizeof(bb_u32)};
+    if (search->way == BB_SEARCH_ALL) {
+        f->prims_bytes = (uint64_t)search->scene->prims[BB_TETRAHEDRON].count * f->prim_bytes;
+    } else {
+        f->nodes_bytes = search->data->bytes - search->data->prims_bytes;
+        f->prims_bytes = search->data->prims_bytes;
+    }
+    return BB_OK;
+}
+
 bool bb_device_has_doubles(const bb_device *device)
 {
     cl_device_fp_config config = 0;
@@ -148,7 +196,7 @@ bool bb_device_has_doubles(const bb_device *device)
 }
 
 bb_status bb_tet_kernels_get(bb_tet_kernels *kernels, bb_device *device, bb_tet_search_way way,
-                             bool option, bool counting, cl_kernel *kernel)
+                             bool option, bb_tet_counting counting, cl_kernel *kernel)
 {
     cl_kernel *slot = &kernels->kernels[way][option][counting];
     cl_program *program = &kernels->programs[way][option][counting];
@@ -160,9 +208,10 @@ bb_status bb_tet_kernels_get(bb_tet_kernels *kernels, bb_device *device, bb_tet_
         snprintf(own, sizeof own, " -D%s=%d", kernels->option, option);
     snprintf(defines, sizeof defines,
              "-DBB_LOCATE_OCTREE=%d -DBB_LOCATE_OLBVH=%d -DBB_LOCATE_ALL=%d -DBB_COUNTING=%d "
-             "-DBB_HAS_DOUBLES=%d%s",
-             way == BB_SEARCH_OCTREE, way == BB_SEARCH_OLBVH, way == BB_SEARCH_ALL, counting,
-             !kernels->floats && bb_device_has_doubles(device), own);
+             "-DBB_HAS_DOUBLES=%d%s%s",
+             way == BB_SEARCH_OCTREE, way == BB_SEARCH_OLBVH, way == BB_SEARCH_ALL,
+             counting != BB_TET_PLAIN, !kernels->floats && bb_device_has_doubles(device), own,
+             counting == BB_TET_RECORDING ? " -DBB_RECORDING=1" : "");
     BB_TRY(bb_program_build(device, bb_source_find(kernels->source), defines, program));
     BB_TRY(bb_kernel_get(*program, kernels->name, slot));
     *kernel = *slot;
@@ -172,8 +221,8 @@ bb_status bb_tet_kernels_get(bb_tet_kernels *kernels, bb_device *device, bb_tet_
 void bb_tet_kernels_release(bb_tet_kernels *kernels)
 {
     for (int way = 0; way < BB_SEARCH_WAYS; way++)
-        for (int i = 0; i < 4; i++) {
-            bb_kernel_release(kernels->kernels[way][i / 2][i % 2]);
-            bb_program_release(kernels->programs[way][i / 2][i % 2]);
+        for (int i = 0; i < 2 * BB_TET_VARIANTS; i++) {
+            bb_kernel_release(kernels->kernels[way][i / BB_TET_VARIANTS][i % BB_TET_VARIANTS]);
+            bb_program_release(kernels->programs[way][i / BB_TET_VARIANTS][i % BB_TET_VARIANTS]);
         }
 }

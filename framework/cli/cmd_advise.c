@@ -97,7 +97,7 @@ static bb_status choose_kernels(advising *a)
     return copy(&a->kernels, &a->request.kernels);
 }
 
-/* Those given, or those for a GPU, as far as their steps are recorded. */
+/* Those given, or those for a GPU, as far as simulations have bounds for them. */
 static bb_status choose_simulated(advising *a)
 {
     bb_advise_request *r = &a->request;
@@ -108,10 +108,10 @@ static bb_status choose_simulated(advising *a)
     if (r->simt_count == 0)
         return BB_OK;
     if (a->kernels.count > 0)
-        return bb_tried_recorded(&r->kernels, &r->simulated_kernels);
+        return bb_tried_bounded(&r->kernels, &r->simulated_kernels);
     bb_status status = bb_tried_kernels(&for_gpus, BB_FOR_GPU);
     if (status == BB_OK)
-        status = bb_tried_recorded(&for_gpus, &r->simulated_kernels);
+        status = bb_tried_bounded(&for_gpus, &r->simulated_kernels);
     bb_tried_free(&for_gpus);
     return status;
 }

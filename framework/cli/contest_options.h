@@ -5,6 +5,7 @@
 
 #include "framework/cli/choice.h"
 #include "framework/cli/time_option.h"
+#include "framework/simulate/simulate.h"
 
 /* The values that these commands share. */
 typedef struct bb_contest_choice {
@@ -14,6 +15,9 @@ typedef struct bb_contest_choice {
     const char *time;    /* that the command may take; NULL: any */
     double ends_ms;      /* bb_wall_ms() when it is over, once begun; 0: never */
     bool json;
+    bb_names metrics;           /* simulations, where BB_SIMT_OPTION is */
+    bb_simt simts[BB_SIMT_MAX]; /* the same, once begun */
+    uint32_t simt_count;
 } bb_contest_choice;
 
 /* Rows for a bb_contest_choice: --json, and those of the device. */
@@ -23,6 +27,15 @@ extern const bb_cli_option bb_contest_options[];
     BB_TIME_OPTION(type, member,                                                                   \
                    "take about this long, such as 5min, with fewer rounds if need be; what comes " \
                    "before and after them is done in any case")
+
+#define BB_SIMT_OPTION(type, member)                                                               \
+    {                                                                                              \
+        "metrics", "M",                                                                            \
+            BB_SIMT ", such as " BB_SIMT                                                           \
+                    ":device=h100,width=32,cache=2: each way's answer to the "                     \
+                    "first question is simulated on a GPU on paper (bvhbench list metrics)",       \
+            BB_INTO(type, member)                                                                  \
+    }
 
 #define BB_SEARCH_OPTION(type, member, start)                                                      \
     {                                                                                              \
@@ -44,8 +57,8 @@ bb_status bb_choose_tree_builders(bb_names *builders, bb_contest_kind kind);
 void bb_print_volume_builders(FILE *out);
 void bb_print_mesh_builders(FILE *out);
 
-/* Begins a command, and its time: loads plug-ins, checks the names of scenes (bb_check_scene()) and
- * makes the folder --out, if it is given. */
+/* Begins a command, and its time: reads --metrics, loads plug-ins, checks the names of scenes
+ * (bb_check_scene()) and makes the folder --out, if it is given. */
 bb_status bb_contest_begin(bb_contest_choice *choice, char *const *scenes, size_t count);
 
 /* Returns when the next of `left` scenes is to end, so that all have as much time; 0: at any

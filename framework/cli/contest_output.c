@@ -35,6 +35,8 @@ bb_status bb_contest_output_request(bb_contest_output *output, const bb_names *b
     bb_contest_take_names(builders, searches, request);
     request->audit = &output->audit;
     request->watch = &output->watch;
+    request->simts = output->choice->simts;
+    request->simt_count = output->choice->simt_count;
     return bb_contest_output_begin(output, request->device, request->seed);
 }
 

@@ -29,6 +29,7 @@ typedef struct bb_query {
     uint32_t kinds;      /* kinds of primitives that it is defined for, as bits */
     size_t result_bytes; /* size of one ray's answer, on the device and in memory */
     bool is_hit;         /* the answer is a bb_hit: Embree and outside tracers can give it */
+    bool is_recorded;    /* steps of a search for it can be recorded (kernels/steps.clh) */
     bool any;            /* any of several hits is right */
     uint32_t exchange;   /* its number in rays files, if its answer is a bb_hit */
 

@@ -16,6 +16,7 @@ const bb_query bb_query_any = {
     .kinds = BB_ALL_KINDS,
     .result_bytes = sizeof(bb_hit),
     .is_hit = true,
+    .is_recorded = true,
     .any = true,
     .exchange = 1,
     .same = same,

@@ -18,6 +18,7 @@ const bb_query bb_query_closest = {
     .kinds = BB_ALL_KINDS,
     .result_bytes = sizeof(bb_hit),
     .is_hit = true,
+    .is_recorded = true,
     .exchange = 0,
     .same = same,
     .say = bb_hit_say,

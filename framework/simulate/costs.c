@@ -45,8 +45,8 @@ static const char *cell_of(const row *headings, const row *r, const char *name)
     return "";
 }
 
-/* Finds the row of Debian 12's clang for this program's kernel `trace`. */
-static bool find_row(const char *program, row *headings, row *found)
+/* Finds the row of Debian 12's clang for this program's kernel. */
+static bool find_row(const char *program, const char *kernel, row *headings, row *found)
 {
     const char *text = bb_source_find("isa.tsv")->text;
     bool is_headings = true;
@@ -57,7 +57,7 @@ static bool find_row(const char *program, row *headings, row *found)
             is_headings = false;
         } else if (strcmp(cell_of(headings, &r, "clang"), "15") == 0 &&
                    strcmp(cell_of(headings, &r, "program"), program) == 0 &&
-                   strcmp(cell_of(headings, &r, "kernel"), "trace") == 0) {
+                   strcmp(cell_of(headings, &r, "kernel"), kernel) == 0) {
             *found = r;
             return true;
         }
@@ -65,28 +65,32 @@ static bool find_row(const char *program, row *headings, row *found)
     return false;
 }
 
-static bool find_program(const char *program, const char *code, bb_costs *costs)
+static bool find_program(const char *program, const char *kernel, const char *code, bb_costs *costs)
 {
     static const char *const columns[BB_ISSUE_KINDS] = {
         [BB_STEP_NODE] = "step_node",       [BB_STEP_PUSH] = "step_push",
         [BB_STEP_PRIMS] = "step_prims",     [BB_STEP_POP] = "step_pop",
-        [BB_STEP_RESTART] = "step_restart", [BB_ISSUE_BEGIN] = "step_begin"};
+        [BB_STEP_RESTART] = "step_restart", [BB_STEP_SAMPLE] = "step_sample",
+        [BB_STEP_AGAIN] = "step_again",     [BB_ISSUE_BEGIN] = "step_begin"};
     row headings, r;
     char column[32];
-    if (!find_row(program, &headings, &r))
+    if (!find_row(program, kernel, &headings, &r))
         return false;
     for (uint32_t k = 0; k < BB_ISSUE_KINDS; k++)
         costs->instructions[k] =
             columns[k] != NULL ? strtod(cell_of(&headings, &r, columns[k]), NULL) : 0;
     snprintf(column, sizeof column, strcmp(code, "sm_90") == 0 ? "%s_registers" : "%s_vgprs", code);
     costs->registers = (uint32_t)strtoul(cell_of(&headings, &r, column), NULL, 10);
-    return costs->registers > 0 && costs->instructions[BB_STEP_NODE] > 0;
+    costs->counted =
+        costs->instructions[BB_STEP_NODE] > 0 || costs->instructions[BB_STEP_SAMPLE] > 0;
+    return costs->registers > 0;
 }
 
-bb_status bb_costs_find(const bb_spec *spec, const char *code, bb_costs *costs)
+bb_status bb_costs_find(const char *program, const char *kernel, const char *code, bb_costs *costs)
 {
-    if (find_program(spec->text, code, costs) || find_program(spec->name, code, costs))
+    char name[CELL_MOST];
+    snprintf(name, sizeof name, "%.*s", (int)strcspn(program, ":"), program);
+    if (find_program(program, kernel, code, costs) || find_program(name, kernel, code, costs))
         return BB_OK;
-    return bb_fail(BB_UNSUPPORTED, "kernels/isa.tsv has no steps of kernel %s for %s", spec->name,
-                   code);
+    return bb_fail(BB_UNSUPPORTED, "kernels/isa.tsv has no row of kernel %s for %s", name, code);
 }

@@ -3,18 +3,18 @@
 #ifndef BB_COSTS_H
 #define BB_COSTS_H
 
-#include "framework/base/options.h"
 #include "framework/simulate/warp.h"
 
 typedef struct bb_costs {
     /* of a group for each step of a kind: all of its loop, once, those in branches too; of
      * BB_ISSUE_BEGIN: all outside of loops */
     double instructions[BB_ISSUE_KINDS];
+    bool counted;       /* instructions are known; of searches of tetrahedra registers alone are */
     uint32_t registers; /* of a ray */
 } bb_costs;
 
-/* Finds those of a kernel, given by its specification: with its options, or else without. `code`:
+/* Finds those of a kernel in a program, a specification: with its options, or else without. `code`:
  * whose registers (bb_description). BB_UNSUPPORTED if the table has no row of it. */
-bb_status bb_costs_find(const bb_spec *spec, const char *code, bb_costs *costs);
+bb_status bb_costs_find(const char *program, const char *kernel, const char *code, bb_costs *costs);
 
 #endif

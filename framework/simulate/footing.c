@@ -29,6 +29,7 @@ bb_footing bb_footing_of(const bb_traverser_request *request, const bb_layout_da
                         .ring = entries != NULL ? (uint32_t)strtoul(entries, NULL, 10) : 0,
                         .node_bytes = bb_layout_find(kernel->layout)->node_bytes,
                         .prim_bytes = words * (uint32_t)sizeof(bb_u32),
+                        .item_bytes = sizeof(bb_ray),
                         .result_bytes = (uint32_t)request->query->result_bytes,
                         .nodes_bytes = layout->bytes - layout->prims_bytes,
                         .prims_bytes = layout->prims_bytes};

@@ -125,6 +125,7 @@ static void add_unit(const bb_traffic *unit, bb_traffic *sum)
         sum->issued[k].lines += unit->issued[k].lines;
     }
     sum->groups += unit->groups;
+    sum->left += unit->left;
     sum->first += unit->first;
     sum->first_hits += unit->first_hits;
 }

@@ -20,6 +20,8 @@ SIMT(EFFICIENCY, efficiency, "simt_efficiency", "", MORE, "SIMT efficiency",
      "active lanes per lane issued, over all instructions; simulated")
 SIMT(NODES, node_efficiency, "simt_node_efficiency", "", MORE, NULL, "of steps at nodes")
 SIMT(PRIMS, prim_efficiency, "simt_prim_efficiency", "", MORE, NULL, "of steps at primitives")
+SIMT(SAMPLES, sample_efficiency, "simt_sample_efficiency", "", MORE, NULL,
+     "of steps at samples of a volume")
 SIMT(STEPS, steps, "simt_steps_per_ray", "per ray", LESS, NULL,
      "that the ray's group takes, whether the ray is active or not")
 SIMT(LINES, lines, "simt_lines_per_step", "", LESS, NULL,

@@ -120,6 +120,7 @@ static void find_figures(const bb_simt *simt, bb_simulation *s)
         steps += t->issued[k].count;
     s->node_efficiency = bb_efficiency(&nodes, simt->width);
     s->prim_efficiency = bb_efficiency(prims, simt->width);
+    s->sample_efficiency = bb_efficiency(&t->issued[BB_STEP_SAMPLE], simt->width);
     s->steps = share(steps * simt->width, t->rays);
     s->lines = share(nodes.lines + prims->lines, nodes.count + prims->count);
     s->stack_bytes = share((pushes->sectors + pops->sectors) * BB_SECTOR_BYTES, t->rays);
@@ -135,7 +136,7 @@ static double bound(const bb_simulation *s, double seconds)
     return seconds > 0 ? s->rays / seconds / 1e6 : (double)INFINITY;
 }
 
-static void find_bounds(const bb_simt *simt, const bb_costs *costs, bb_simulation *s)
+static void find_issue(const bb_simt *simt, const bb_costs *costs, bb_simulation *s)
 {
     const bb_description *d = &simt->device;
     const bb_traffic *t = &s->traffic;
@@ -147,11 +148,22 @@ static void find_bounds(const bb_simt *simt, const bb_costs *costs, bb_simulatio
     }
     s->efficiency = instructions > 0 ? active / (instructions * simt->width) : (double)NAN;
     s->issue_mrays_s = bound(s, instructions * turns / (d->units * d->issues_per_clock * clock));
+}
+
+static void find_bounds(const bb_simt *simt, bb_simulation *s)
+{
+    const bb_description *d = &simt->device;
+    const bb_traffic *t = &s->traffic;
+    const double clock = d->clock_ghz * 1e9;
     s->l1_mrays_s = bound(s, (double)t->first * BB_SECTOR_BYTES /
                                  (d->units * d->first_bytes_per_clock * clock));
     s->l2_mrays_s = bound(s, (double)(t->second + t->second_written) * BB_SECTOR_BYTES /
                                  (d->second_bytes_per_clock * clock));
     s->memory_mrays_s = bound(s, s->memory_bytes * s->rays / (d->memory_gb_s * 1e9));
+}
+
+static void find_least(bb_simulation *s)
+{
     const double bounds[BB_BINDINGS] = {[BB_BY_ISSUE] = s->issue_mrays_s,
                                         [BB_BY_FIRST] = s->l1_mrays_s,
                                         [BB_BY_SECOND] = s->l2_mrays_s,
@@ -160,33 +172,49 @@ static void find_bounds(const bb_simt *simt, const bb_costs *costs, bb_simulatio
     for (int i = 0; i < BB_BINDINGS; i++)
         s->binds = bounds[i] < bounds[s->binds] ? (bb_binding)i : s->binds;
     s->mrays_s = bounds[s->binds];
-    if (instructions == 0) /* none are known */
-        s->issue_mrays_s = s->mrays_s = (double)NAN;
 }
 
 /* A packet is the work of one work-item, whose code says nothing of that of a ray on each lane. */
 bool bb_simulates_bounds(const bb_kernel *kernel)
 {
-    return kernel->control != BB_PACKETS;
+    return kernel->control != BB_CONTROL_UNKNOWN && kernel->control != BB_PACKETS;
+}
+
+bb_status bb_simulate_code(const bb_simt *simt, const bb_simulated_code *code,
+                           const bb_steps *steps, bb_simulation *simulation)
+{
+    bb_costs costs = {.counted = false};
+    if (code->kernel != NULL)
+        BB_TRY(bb_costs_find(code->program, code->kernel, simt->device.code, &costs));
+    const uint32_t in_flight =
+        bb_description_in_flight(&simt->device, costs.registers, simt->width);
+    const bb_machine machine = machine_for(&simt->device, simt->width, in_flight, steps->rays);
+    *simulation = (bb_simulation){.in_flight = in_flight,
+                                  .mrays_s = (double)NAN,
+                                  .issue_mrays_s = (double)NAN,
+                                  .efficiency = (double)NAN};
+    BB_TRY(bb_machine_run(&machine, &code->footing, steps, &simulation->traffic));
+    if (simulation->traffic.left > 0)
+        return bb_fail(BB_FAILED, "%llu of %u recorded steps do not fit the kernel's loops",
+                       (unsigned long long)simulation->traffic.left, steps->ends[steps->rays - 1]);
+    find_figures(simt, simulation);
+    find_bounds(simt, simulation);
+    if (costs.counted) {
+        find_issue(simt, &costs, simulation);
+        find_least(simulation);
+    }
+    return BB_OK;
 }
 
 bb_status bb_simulate(const bb_simt *simt, const bb_traverser_request *request,
                       const bb_layout_data *layout, const bb_steps *steps,
                       bb_simulation *simulation)
 {
-    bb_costs costs = {.registers = 0};
+    bb_simulated_code code = {.footing = bb_footing_of(request, layout)};
     if (!bb_intersector_is_exact(request->intersector))
         return bb_fail(BB_UNSUPPORTED, "kernels/isa.tsv has the code of `exact` alone, not of %s",
                        request->intersector->name);
-    if (bb_simulates_bounds(request->kernel))
-        BB_TRY(bb_costs_find(request->spec, simt->device.code, &costs));
-    const uint32_t in_flight =
-        bb_description_in_flight(&simt->device, costs.registers, simt->width);
-    const bb_machine machine = machine_for(&simt->device, simt->width, in_flight, steps->rays);
-    const bb_footing footing = bb_footing_of(request, layout);
-    *simulation = (bb_simulation){.in_flight = in_flight};
-    BB_TRY(bb_machine_run(&machine, &footing, steps, &simulation->traffic));
-    find_figures(simt, simulation);
-    find_bounds(simt, &costs, simulation);
-    return BB_OK;
+    code.kernel = bb_simulates_bounds(request->kernel) ? "trace" : NULL;
+    snprintf(code.program, sizeof code.program, "%s", request->spec->text);
+    return bb_simulate_code(simt, &code, steps, simulation);
 }

@@ -62,6 +62,19 @@ bb_binding bb_binding_of(const char *word);
  * issue. If not, so many groups are in flight as a unit holds. */
 bool bb_simulates_bounds(const bb_kernel *kernel);
 
+/* A kernel, and what its steps read. */
+typedef struct bb_simulated_code {
+    char program[512];  /* of its row in kernels/isa.tsv, perhaps with options */
+    const char *kernel; /* NULL: none of the rows is of its code */
+    bb_footing footing;
+} bb_simulated_code;
+
+/* Simulates recorded steps of any kernel. Where the instructions of its steps are not known, what
+ * depends on them is left out: `mrays_s`, `issue_mrays_s`, `efficiency`. BB_UNSUPPORTED if
+ * kernels/isa.tsv has no row of the code. */
+bb_status bb_simulate_code(const bb_simt *simt, const bb_simulated_code *code,
+                           const bb_steps *steps, bb_simulation *simulation);
+
 /* Simulates recorded steps of the request's kernel in this layout. BB_UNSUPPORTED if nothing is
  * known of the kernel's code. */
 bb_status bb_simulate(const bb_simt *simt, const bb_traverser_request *request,

@@ -1,16 +1,12 @@
 #include "framework/simulate/steps.h"
 
 #include "framework/base/arithmetic.h"
-#include "framework/base/random.h"
 #include "traversal/pass.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-enum {
-    PIECE = 1 << 18, /* rays at a time, whole runs, while steps are counted */
-    NEIGHBOURS = 32  /* rays that wait for each other, about */
-};
+enum { PIECE = 1 << 18 }; /* rays at a time, whole runs, while steps are counted */
 
 /* What a launch needs, on the device. */
 typedef struct launch {
@@ -56,25 +52,6 @@ static bb_status prepare(launch *l, const bb_traverser_request *request,
 
 /* ---- a sample ---- */
 
-/* A run of rays that follow each other, and the steps of the longest of each NEIGHBOURS of them. */
-typedef struct ray_run {
-    uint32_t number;
-    uint64_t steps;
-} ray_run;
-
-static int by_steps(const void *a, const void *b)
-{
-    const ray_run *x = a, *y = b;
-    return x->steps != y->steps ? (x->steps > y->steps) - (x->steps < y->steps)
-                                : (x->number > y->number) - (x->number < y->number);
-}
-
-static int by_number(const void *a, const void *b)
-{
-    const ray_run *x = a, *y = b;
-    return (x->number > y->number) - (x->number < y->number);
-}
-
 /* Counts the steps of rays that are on the device: a launch without room for them. */
 static bb_status count_steps(launch *l, uint32_t rays, uint32_t *counts)
 {
@@ -84,44 +61,17 @@ static bb_status count_steps(launch *l, uint32_t rays, uint32_t *counts)
     return bb_buffer_read(&l->recording.counts, 0, bytes, counts);
 }
 
-static uint32_t most_of(const uint32_t *values, uint32_t count)
-{
-    uint32_t most = 0;
-    for (uint32_t i = 0; i < count; i++)
-        most = bb_max_u32(most, values[i]);
-    return most;
-}
-
 /* Counts the steps of each run, piece by piece. */
 static bb_status count_runs(launch *l, const bb_ray *rays, uint32_t count, uint32_t *counts,
-                            ray_run *runs)
+                            bb_sample_run *runs)
 {
     for (uint32_t first = 0; first < count; first += PIECE) {
         const uint32_t piece = bb_min_u32(count - first, PIECE);
         BB_TRY(bb_buffer_write(&l->rays, 0, piece * sizeof *rays, rays + first));
         BB_TRY(count_steps(l, piece, counts));
-        for (uint32_t i = 0; i < piece; i += NEIGHBOURS) {
-            ray_run *run = &runs[(first + i) / BB_STEPS_RUN];
-            run->number = (first + i) / BB_STEPS_RUN;
-            run->steps += most_of(counts + i, bb_min_u32(NEIGHBOURS, piece - i));
-        }
+        bb_sample_add(counts, first, piece, runs);
     }
     return BB_OK;
-}
-
-/* Chooses runs for the sample: sorted by their steps, all are divided into as many parts of equal
- * size, of which each gives one at random, so that the sample has as many short and long ones as
- * the set. Puts these to the front. */
-static void choose(ray_run *runs, uint32_t count, uint32_t taken)
-{
-    bb_random random = bb_random_make(1, count);
-    qsort(runs, count, sizeof *runs, by_steps);
-    for (uint32_t i = 0; i < taken; i++) {
-        const uint32_t part = (uint32_t)((uint64_t)i * count / taken);
-        const uint32_t end = (uint32_t)((uint64_t)(i + 1) * count / taken);
-        runs[i] = runs[part + bb_random_below(&random, end - part)];
-    }
-    qsort(runs, taken, sizeof *runs, by_number);
 }
 
 /* Copies the sample to the device: all rays, or some of the whole runs that the set consists of. */
@@ -131,7 +81,7 @@ static bb_status load_sample(launch *l, const bb_ray *rays, uint32_t count, uint
         return bb_buffer_write(&l->rays, 0, taken * sizeof *rays, rays);
     const uint32_t wanted = taken / BB_STEPS_RUN;
     uint32_t *counts = NULL;
-    ray_run *runs = calloc((size_t)count / BB_STEPS_RUN + 1, sizeof *runs);
+    bb_sample_run *runs = calloc((size_t)count / BB_STEPS_RUN + 1, sizeof *runs);
     bb_ray *sample = NULL;
     bb_status status = runs != NULL ? BB_OK : bb_fail(BB_REFUSED, "no memory for runs of rays");
     if (status == BB_OK)
@@ -141,7 +91,7 @@ static bb_status load_sample(launch *l, const bb_ray *rays, uint32_t count, uint
     if (status == BB_OK)
         status = count_runs(l, rays, count, counts, runs);
     if (status == BB_OK) {
-        choose(runs, count / BB_STEPS_RUN, wanted);
+        bb_sample_choose(runs, count / BB_STEPS_RUN, wanted);
         for (uint32_t i = 0; i < wanted; i++)
             memcpy(sample + (size_t)i * BB_STEPS_RUN, rays + (size_t)runs[i].number * BB_STEPS_RUN,
                    BB_STEPS_RUN * sizeof *rays);

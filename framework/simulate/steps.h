@@ -4,6 +4,7 @@
 #define BB_STEPS_H
 
 #include "framework/judge/rays.h"
+#include "framework/simulate/sample.h"
 #include "kernels/steps_shared.h"
 #include "traversal/traversal.h"
 
@@ -15,12 +16,7 @@ typedef struct bb_steps {
     uint32_t *words;
 } bb_steps;
 
-enum {
-    /* Rays of a sample that follow each other, so that groups have their neighbours. */
-    BB_STEPS_RUN = 1 << 6,
-    /* Words that are recorded at most: 1 GiB. */
-    BB_STEPS_MOST = 1 << 28,
-};
+enum { BB_STEPS_MOST = 1 << 28 }; /* words that are recorded at most: 1 GiB */
 
 /* Traces rays[0..count), or a sample of `most` of them, by the recording variant of what is
  * requested; `most` is a multiple of BB_STEPS_RUN. A sample has runs of rays that follow each

@@ -10,6 +10,7 @@ enum {
     ENTRIES_MOST = 1 << 12, /* of a lane */
     /* sectors of a step: each lane reads a node of 256 bytes or two words */
     SECTORS_MOST = BB_WARP_MOST * 16,
+    SAMPLE_PAIRS = 4, /* of voxels beside each other along x */
     /* requests of a sector: it is fetched, and a line of written ones gives way */
     REQUESTS_MOST = 1 + BB_LINE_SECTORS
 };
@@ -33,7 +34,8 @@ static uint32_t sort_unique(uint64_t *values, uint32_t count)
 }
 
 /* Gets the distinct sectors of items [bytes] of an array that the lanes name. */
-static uint32_t sectors_of(const bb_issue *issue, uint32_t array, uint32_t bytes, uint64_t *sectors)
+static uint32_t sectors_from(const bb_issue *issue, uint32_t array, uint32_t stride, uint32_t bytes,
+                             uint64_t *sectors)
 {
     uint64_t items[BB_WARP_MOST];
     uint32_t count = 0, n = 0;
@@ -41,12 +43,32 @@ static uint32_t sectors_of(const bb_issue *issue, uint32_t array, uint32_t bytes
         items[count++] = issue->index[__builtin_ctzll(rest)];
     count = sort_unique(items, count);
     for (uint32_t i = 0; i < count; i++) {
-        const uint64_t at = ((uint64_t)array << BB_BASE_SHIFT) + items[i] * bytes;
+        const uint64_t at = ((uint64_t)array << BB_BASE_SHIFT) + items[i] * stride;
         for (uint64_t s = at / BB_SECTOR_BYTES; s <= (at + bytes - 1) / BB_SECTOR_BYTES; s++)
-            if (n == 0 || sectors[n - 1] != s)
+            if (n == 0 || sectors[n - 1] < s)
                 sectors[n++] = s;
     }
     return n;
+}
+
+static uint32_t sectors_of(const bb_issue *issue, uint32_t array, uint32_t bytes, uint64_t *sectors)
+{
+    return sectors_from(issue, array, bytes, bytes, sectors);
+}
+
+/* The same of the eight voxels around samples. */
+static uint32_t sectors_of_samples(const bb_issue *issue, const bb_footing *f, uint64_t *sectors)
+{
+    const uint32_t offsets[SAMPLE_PAIRS] = {0, f->row, f->slice, f->slice + f->row};
+    uint32_t n = 0;
+    for (uint32_t p = 0; p < SAMPLE_PAIRS; p++) {
+        bb_issue pair = *issue;
+        for (uint32_t i = 0; i < BB_WARP_MOST; i++)
+            if ((issue->lanes >> i & 1) != 0)
+                pair.index[i] += offsets[p];
+        n += sectors_from(&pair, BB_AT_VOXELS, f->voxel_bytes, 2 * f->voxel_bytes, sectors + n);
+    }
+    return sort_unique(sectors, n);
 }
 
 /* The same of stack entries, whose words lie side by side for all lanes of a slot. */
@@ -122,7 +144,7 @@ static void issue_step(bb_unit *u, uint64_t slot, const bb_issue *issue)
         count = sectors_of(issue, BB_AT_PRIMS, f->prim_bytes, sectors);
         break;
     case BB_ISSUE_BEGIN:
-        count = sectors_of(issue, BB_AT_RAYS, sizeof(bb_ray), sectors);
+        count = f->item_bytes > 0 ? sectors_of(issue, BB_AT_RAYS, f->item_bytes, sectors) : 0;
         break;
     case BB_ISSUE_END:
         count = sectors_of(issue, BB_AT_RESULTS, f->result_bytes, sectors);
@@ -130,6 +152,12 @@ static void issue_step(bb_unit *u, uint64_t slot, const bb_issue *issue)
     case BB_STEP_PUSH:
     case BB_STEP_POP:
         count = sectors_of_stack(issue, u->machine->width, slot, sectors);
+        break;
+    case BB_STEP_SAMPLE:
+        count = sectors_of_samples(issue, f, sectors);
+        break;
+    case BB_STEP_LOOKUP:
+        count = sectors_from(issue, BB_AT_TABLE, f->entry_bytes, 2 * f->entry_bytes, sectors);
         break;
     default:
         break;
@@ -178,6 +206,7 @@ static void take_turn(bb_unit *u)
             issue_step(u, (uint64_t)u->number * slots + s, &issue);
             return;
         }
+        u->traffic.left += bb_warp_left(&u->slots[s]);
         u->running--;
         take_group(u, s);
     }

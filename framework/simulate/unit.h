@@ -21,6 +21,8 @@ enum {
     BB_AT_NODES,
     BB_AT_PRIMS,
     BB_AT_PRIVATE,
+    BB_AT_VOXELS,
+    BB_AT_TABLE,
 };
 
 typedef struct bb_machine {
@@ -41,6 +43,7 @@ typedef struct bb_issued {
 
 typedef struct bb_traffic {
     uint64_t rays, groups;
+    uint64_t left; /* recorded steps that were not taken */
     bb_issued issued[BB_ISSUE_KINDS];
     uint64_t first, first_hits;   /* sectors asked of the first caches; found there */
     uint64_t second, second_hits; /* likewise, of the second one: reads */

@@ -43,6 +43,11 @@ void bb_warp_start(bb_warp *warp, const bb_steps *steps, const bb_footing *footi
     }
 }
 
+static bool is_of(const bb_warp *warp, bb_control control)
+{
+    return warp->footing->control == control;
+}
+
 static uint32_t place(const bb_warp *warp, uint32_t entry)
 {
     const uint32_t ring = warp->footing->ring;
@@ -62,6 +67,8 @@ static bool take(bb_warp *warp, bb_issue *issue, uint32_t kind, uint64_t lanes)
             issue->index[i] = place(warp, warp->top[i]++);
         else if (kind == BB_STEP_POP)
             issue->index[i] = place(warp, --warp->top[i]);
+        else if (kind == BB_STEP_AGAIN)
+            warp->top[i] = 0;
         look_ahead(warp, i);
     }
     return true;
@@ -118,6 +125,13 @@ static bool ends_of_rays(bb_warp *warp, bb_issue *issue, uint32_t kind, uint32_t
     return true;
 }
 
+/* The turn that comes when no ray takes samples. */
+static uint32_t after_samples(const bb_warp *warp)
+{
+    const bool leaves = is_of(warp, BB_IF_IF_BY_LEAF) && warp->at[BB_STEP_PRIMS] != 0;
+    return leaves ? BB_STEP_PRIMS : BB_STEP_POP;
+}
+
 bool bb_warp_next(bb_warp *warp, bb_issue *issue)
 {
     for (;;) {
@@ -127,6 +141,8 @@ bool bb_warp_next(bb_warp *warp, bb_issue *issue)
             return ends_of_rays(warp, issue, BB_ISSUE_BEGIN, BB_STEP_NODE);
         case BB_STEP_NODE:
             lanes = warp->pushing = warp->at[BB_STEP_NODE];
+            if (is_of(warp, BB_IF_ELSE))
+                warp->popping = warp->at[BB_STEP_POP];
             warp->turn = lanes != 0 ? BB_STEP_PUSH : BB_STEP_PRIMS;
             if (lanes != 0)
                 return take(warp, issue, BB_STEP_NODE, lanes);
@@ -135,23 +151,42 @@ bool bb_warp_next(bb_warp *warp, bb_issue *issue)
             lanes = warp->pushing & warp->at[BB_STEP_PUSH];
             if (lanes != 0)
                 return take(warp, issue, BB_STEP_PUSH, lanes);
-            warp->turn = warp->footing->control == BB_IF_IF ? BB_STEP_PRIMS : BB_STEP_NODE;
+            warp->turn = is_of(warp, BB_WHILE_WHILE) || is_of(warp, BB_PACKETS) ? BB_STEP_NODE
+                                                                                : BB_STEP_PRIMS;
             break;
         case BB_STEP_PRIMS:
             lanes = warp->at[BB_STEP_PRIMS];
+            if (lanes == 0 || is_of(warp, BB_IF_IF_BY_LEAF))
+                warp->turn = BB_STEP_SAMPLE;
             if (lanes != 0)
                 return take(warp, issue, BB_STEP_PRIMS, lanes);
-            warp->turn = BB_STEP_POP;
+            break;
+        case BB_STEP_SAMPLE:
+            lanes = warp->at[BB_STEP_SAMPLE];
+            warp->turn = BB_STEP_LOOKUP;
+            if (lanes != 0)
+                return take(warp, issue, BB_STEP_SAMPLE, lanes);
+            break;
+        case BB_STEP_LOOKUP:
+            lanes = warp->at[BB_STEP_LOOKUP];
+            warp->turn = after_samples(warp);
+            if (lanes != 0) {
+                warp->turn = BB_STEP_SAMPLE;
+                return take(warp, issue, BB_STEP_LOOKUP, lanes);
+            }
             break;
         case BB_STEP_POP:
             lanes = warp->at[BB_STEP_POP];
+            if (is_of(warp, BB_IF_ELSE))
+                lanes = warp->popping;
+            warp->popping = 0;
             warp->restarting = warp->at[BB_STEP_RESTART];
             warp->turn = BB_STEP_RESTART;
             if (lanes != 0)
                 return take(warp, issue, BB_STEP_POP, lanes);
             if (warp->restarting != 0)
                 break;
-            lanes = warp->at[BB_STEP_NODE] | warp->at[BB_STEP_PRIMS];
+            lanes = warp->at[BB_STEP_NODE] | warp->at[BB_STEP_PRIMS] | warp->at[BB_STEP_POP];
             warp->turn = lanes != 0 ? BB_STEP_NODE : TURN_PACKET_POP;
             break;
         case BB_STEP_RESTART:
@@ -164,7 +199,7 @@ bool bb_warp_next(bb_warp *warp, bb_issue *issue)
             warp->turn = TURN_PACKET_PRIMS;
             if (take_packets(warp, issue, BB_STEP_POP))
                 return true;
-            warp->turn = TURN_END;
+            warp->turn = BB_STEP_AGAIN;
             break;
         case TURN_PACKET_PRIMS:
             if (take_packets(warp, issue, BB_STEP_PRIMS))
@@ -187,10 +222,24 @@ bool bb_warp_next(bb_warp *warp, bb_issue *issue)
             if (take_packets(warp, issue, BB_STEP_PUSH))
                 return true;
             break;
+        case BB_STEP_AGAIN:
+            lanes = warp->at[BB_STEP_AGAIN];
+            warp->turn = lanes != 0 ? BB_STEP_SAMPLE : TURN_END;
+            if (lanes != 0)
+                return take(warp, issue, BB_STEP_AGAIN, lanes);
+            break;
         case TURN_END:
             return ends_of_rays(warp, issue, BB_ISSUE_END, TURN_DONE);
         default:
             return false;
         }
     }
+}
+
+uint64_t bb_warp_left(const bb_warp *warp)
+{
+    uint64_t left = 0;
+    for (uint32_t i = 0; i < warp->lanes; i++)
+        left += warp->end[i] - warp->next[i];
+    return left;
 }

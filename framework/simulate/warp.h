@@ -5,9 +5,13 @@
  * loops the group leaves only when its last ray does:
  *
  *   loop: nodes: while a ray that has not left this loop is at a node: these take it, then push
- *                (if-if: once)
- *         primitives: while a ray is at one
- *         pops: while a ray pops or restarts: these pop, then those restart
+ *                (if-if, if-else: once)
+ *         primitives: while a ray is at one (by leaf: once)
+ *         samples: while a ray takes one: these take it, then look its values up
+ *                  (by leaf: on to primitives, while a ray is at one)
+ *         pops: while a ray pops or restarts: these pop, then those restart (if-else: once those
+ *               pop that began the iteration with it)
+ *   again: all rays that need another search begin it, with samples if they take some first
  *
  * A group may hold several packets, whose rays follow each other. Those that are together with
  * their packet take its steps, of which they are active in some; those that have left it are as
@@ -57,6 +61,7 @@ typedef struct bb_warp {
     uint64_t together;                 /* lanes that are with their packet */
     uint64_t active;                   /* of these, those that visit what was popped last */
     uint64_t pushing;                  /* lanes of the last node */
+    uint64_t popping;                  /* if-else: lanes that pop in this iteration */
     uint64_t restarting; /* lanes that restart in this iteration of the loop of pops */
     uint32_t next[BB_WARP_MOST], end[BB_WARP_MOST]; /* each lane's steps */
     uint32_t top[BB_WARP_MOST];                     /* of each lane's stack */
@@ -68,6 +73,10 @@ void bb_warp_start(bb_warp *warp, const bb_steps *steps, const bb_footing *footi
                    uint32_t lanes);
 /* Gets what the group does next; returns false if all of its rays have ended. */
 bool bb_warp_next(bb_warp *warp, bb_issue *issue);
+
+/* Returns the steps that its rays have not taken: of one that has ended, those that do not fit the
+ * kernel's loops. */
+uint64_t bb_warp_left(const bb_warp *warp);
 
 /* Returns whether what is issued is a test of boxes. */
 static inline bool bb_is_at_node(uint32_t kind)

@@ -27,7 +27,7 @@ static bb_status set_step(const study *s, double step)
 
 static bb_status march_reference(const study *s, bb_light *lights)
 {
-    const bb_contest_answers answers = {s->answers.items, NULL};
+    const bb_contest_answers answers = {s->answers.items, NULL, NULL};
     BB_TRY(s->dvr->task.ask(s->dvr, s->reference_runner, answers));
     return bb_buffer_read(answers.items, 0, s->dvr->pixels * sizeof *lights, lights);
 }

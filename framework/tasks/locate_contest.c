@@ -130,13 +130,12 @@ static bb_status take(void *self, uint32_t question, uint32_t *items)
     return BB_OK;
 }
 
-static bb_status compile(void *self, const bb_kernel *kernel, const bb_spec *spec,
-                         bb_contest_runner *runner)
+static bb_status compile(void *self, bb_contest_runner *runner)
 {
     const location *l = self;
     for (int counting = 0; counting < 2; counting++) {
-        const bb_traverser_request request = {.kernel = kernel,
-                                              .spec = spec,
+        const bb_traverser_request request = {.kernel = runner->kernel,
+                                              .spec = runner->spec,
                                               .intersector = &bb_intersectors[0],
                                               .query = bb_query_find("closest"),
                                               .counting = counting != 0};
@@ -154,8 +153,8 @@ static bb_status ask_tets(location *l, const bb_contest_runner *runner, bb_conte
     bb_tet_search search;
     cl_kernel kernel;
     BB_TRY(bb_contest_search(runner, &l->task, 0, &search));
-    BB_TRY(bb_tet_kernels_get(&l->kernels, there->device, search.way, false, answers.counts != NULL,
-                              &kernel));
+    BB_TRY(bb_tet_kernels_get(&l->kernels, there->device, search.way, false,
+                              bb_tet_counting_for(&search, answers.counts), &kernel));
     uint32_t n = bb_tet_search_args(&search, args);
     args[n++] = BB_MEM(there->prims);
     args[n++] = BB_VALUE(ends);

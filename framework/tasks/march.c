@@ -5,7 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { GROUP_SIZE = 64, SAMPLES_MAX = 1 << 22 };
+enum { SAMPLES_MAX = 1 << 22 };
+/* Variants of the march without a tree; the last is compiled when it is asked for. */
+enum { PLAIN, COUNTING, RECORDING, VARIANTS };
 
 struct bb_marcher {
     const bb_scene *scene;
@@ -13,8 +15,8 @@ struct bb_marcher {
     char ordered[64], unordered[64]; /* -D for kernels */
     bb_march_args args;
     bb_buffer table;
-    cl_program programs[2]; /* not counting, counting */
-    cl_kernel kernels[2];
+    cl_program programs[VARIANTS];
+    cl_kernel kernels[VARIANTS];
     bb_arg more[3];
 };
 
@@ -37,6 +39,7 @@ const bb_query bb_query_march = {
     .way = BB_ALONG_RAYS,
     .kinds = BB_AABBS,
     .result_bytes = sizeof(bb_light),
+    .is_recorded = true,
     .same = same,
     .say = say,
 };
@@ -46,28 +49,25 @@ void bb_marcher_destroy(bb_marcher *marcher)
     if (marcher == NULL)
         return;
     bb_buffer_release(&marcher->table);
-    for (int counting = 0; counting < 2; counting++) {
-        bb_kernel_release(marcher->kernels[counting]);
-        bb_program_release(marcher->programs[counting]);
+    for (int i = 0; i < VARIANTS; i++) {
+        bb_kernel_release(marcher->kernels[i]);
+        bb_program_release(marcher->programs[i]);
     }
     free(marcher);
 }
 
-static bb_status compile(bb_marcher *marcher)
+static bb_status compile(bb_marcher *marcher, int variant)
 {
-    for (int counting = 0; counting < 2; counting++) {
-        char defines[192];
-        snprintf(defines, sizeof defines, "%s -DBB_KINDS=%u -DBB_COUNTING=%d%s", marcher->unordered,
-                 (unsigned)BB_AABBS, counting,
-                 bb_device_divides_exactly(marcher->device)
-                     ? " -cl-fp32-correctly-rounded-divide-sqrt"
-                     : "");
-        BB_TRY(bb_program_build(marcher->device, bb_source_find("march_all.cl"), defines,
-                                &marcher->programs[counting]));
-        BB_TRY(
-            bb_kernel_get(marcher->programs[counting], "march_all", &marcher->kernels[counting]));
-    }
-    return BB_OK;
+    char defines[192];
+    if (marcher->kernels[variant] != NULL)
+        return BB_OK;
+    snprintf(defines, sizeof defines, "%s -DBB_KINDS=%u -DBB_COUNTING=%d%s%s", marcher->unordered,
+             (unsigned)BB_AABBS, variant != PLAIN, variant == RECORDING ? " -DBB_RECORDING=1" : "",
+             bb_device_divides_exactly(marcher->device) ? " -cl-fp32-correctly-rounded-divide-sqrt"
+                                                        : "");
+    BB_TRY(bb_program_build(marcher->device, bb_source_find("march_all.cl"), defines,
+                            &marcher->programs[variant]));
+    return bb_kernel_get(marcher->programs[variant], "march_all", &marcher->kernels[variant]);
 }
 
 static void set_defines(const bb_volume *volume, int ordered, char *text, size_t capacity)
@@ -92,8 +92,8 @@ bb_status bb_marcher_create(const bb_scene *scene, bb_account *account, bb_march
     bb_status status =
         bb_buffer_reserve(marcher->device, account, BB_TRANSFER_STEPS * sizeof(bb_transfer_entry),
                           "table of a transfer function", &marcher->table);
-    if (status == BB_OK)
-        status = compile(marcher);
+    for (int i = PLAIN; i <= COUNTING && status == BB_OK; i++)
+        status = compile(marcher, i);
     if (status != BB_OK) {
         bb_marcher_destroy(marcher);
         return status;
@@ -157,18 +157,25 @@ void bb_march_pass(const bb_marcher *marcher, bb_pass *pass)
 }
 
 bb_status bb_march_all(bb_marcher *marcher, const bb_buffer *rays, uint32_t count,
-                       bb_buffer *lights, bb_buffer *counts)
+                       bb_buffer *lights, bb_buffer *counts, const bb_recording *recording)
 {
-    bb_arg args[8];
+    const int variant = recording != NULL ? RECORDING : counts != NULL ? COUNTING : PLAIN;
+    bb_arg args[11];
     uint32_t n = 0;
+    BB_TRY(compile(marcher, variant));
     args[n++] = BB_VALUE(marcher->scene->scale);
     args[n++] = BB_MEM(*rays);
     args[n++] = BB_VALUE(count);
     args[n++] = BB_MEM(*lights);
     if (counts != NULL)
         args[n++] = BB_MEM(*counts);
+    if (recording != NULL) {
+        args[n++] = BB_MEM(recording->ends);
+        args[n++] = BB_MEM(recording->steps);
+        args[n++] = BB_MEM(recording->counts);
+    }
     for (int i = 0; i < 3; i++)
         args[n++] = marcher->more[i];
-    return bb_launch_args(marcher->device, marcher->kernels[counts != NULL], count, GROUP_SIZE,
-                          args, n);
+    return bb_launch_args(marcher->device, marcher->kernels[variant], count, BB_MARCH_GROUP, args,
+                          n);
 }

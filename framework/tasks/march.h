@@ -9,6 +9,8 @@
 
 #include "traversal/pass.h"
 
+enum { BB_MARCH_GROUP = 64 }; /* rays of a work-group, without a tree */
+
 typedef struct bb_marcher bb_marcher;
 
 typedef struct bb_march_settings {
@@ -40,8 +42,9 @@ void bb_march_traverser_request(const bb_marcher *marcher, bb_traverser_request 
 void bb_march_pass(const bb_marcher *marcher, bb_pass *pass);
 
 /* Marches without a tree. Enqueues the rays and does not wait. `lights` gets bb_light[count];
- * `counts`, if not NULL, gets samples as primitives. */
+ * `counts`, if not NULL, gets samples as primitives; `recording`, if not NULL, the steps: then
+ * counts are asked for, too. */
 bb_status bb_march_all(bb_marcher *marcher, const bb_buffer *rays, uint32_t count,
-                       bb_buffer *lights, bb_buffer *counts);
+                       bb_buffer *lights, bb_buffer *counts, const bb_recording *recording);
 
 #endif

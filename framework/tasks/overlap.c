@@ -5,7 +5,6 @@
 #include <math.h>
 
 enum {
-    GROUP_SIZE = 64,
     INSIDE_BITS = 4, /* cells of that level, in all 4,096, are looked at in parallel */
 };
 
@@ -45,12 +44,12 @@ static bb_status find_inside(bb_overlapper *overlapper, const bb_tet_search *sea
     bb_arg args[BB_TET_SEARCH_ARGS + 1];
     cl_kernel kernel;
     BB_TRY(bb_tet_kernels_get(of_cells ? &overlapper->cells_inside : &overlapper->leaves_inside,
-                              device, search->way, false, false, &kernel));
+                              device, search->way, false, BB_TET_PLAIN, &kernel));
     uint32_t n = bb_tet_search_args(search, args);
     if (!of_cells)
-        return bb_launch_args(device, kernel, search->data->leaves, GROUP_SIZE, args, n);
+        return bb_launch_args(device, kernel, search->data->leaves, BB_TET_GROUP, args, n);
     args[n++] = BB_VALUE(bits);
-    return bb_launch_args(device, kernel, (size_t)1 << 3 * bits, GROUP_SIZE, args, n);
+    return bb_launch_args(device, kernel, (size_t)1 << 3 * bits, BB_TET_GROUP, args, n);
 }
 
 bb_status bb_overlap(bb_overlapper *overlapper, const bb_scene *scene, const bb_tet_search *search,
@@ -60,7 +59,7 @@ bb_status bb_overlap(bb_overlapper *overlapper, const bb_scene *scene, const bb_
     const bb_prims *own = &scene->prims[BB_TETRAHEDRON];
     const bb_prim_ends ends = bb_scene_ends(scene);
     const uint32_t first = own->first, count = own->count;
-    bb_arg args[BB_TET_SEARCH_ARGS + 8];
+    bb_arg args[BB_TET_SEARCH_ARGS + 7 + BB_TET_COUNT_ARGS];
     cl_kernel kernel;
     BB_TRY(bb_overlap_check(overlapper, scene, search->scene));
     if (by_flags && !bb_tet_search_has_boundary(search->way))
@@ -69,7 +68,7 @@ bb_status bb_overlap(bb_overlapper *overlapper, const bb_scene *scene, const bb_
     if (by_flags)
         BB_TRY(find_inside(overlapper, search));
     BB_TRY(bb_tet_kernels_get(&overlapper->overlap, search->scene->on_device.device, search->way,
-                              by_flags, counts != NULL, &kernel));
+                              by_flags, bb_tet_counting_for(search, counts), &kernel));
     uint32_t n = bb_tet_search_args(search, args);
     args[n++] = BB_MEM(there->tet_flags);
     args[n++] = BB_MEM(there->prims);
@@ -78,7 +77,6 @@ bb_status bb_overlap(bb_overlapper *overlapper, const bb_scene *scene, const bb_
     args[n++] = BB_VALUE(first);
     args[n++] = BB_VALUE(count);
     args[n++] = BB_MEM(*results);
-    if (counts != NULL)
-        args[n++] = BB_MEM(*counts);
-    return bb_launch_args(search->scene->on_device.device, kernel, count, GROUP_SIZE, args, n);
+    n += bb_tet_count_args(search, counts, args + n);
+    return bb_launch_args(search->scene->on_device.device, kernel, count, BB_TET_GROUP, args, n);
 }

@@ -36,8 +36,21 @@ static bb_status ask(void *self, const bb_contest_runner *runner, bb_contest_ans
     overlapping *o = self;
     bb_tet_search search;
     BB_TRY(bb_contest_search(runner, &o->task, 1 - o->asking, &search));
+    search.recording = answers.recording;
     return bb_overlap(&o->overlapper, o->scenes[o->asking], &search, runner->by_boundary,
                       answers.items, answers.counts);
+}
+
+/* A tetrahedron that asks is read by its corners' numbers. */
+static bb_status code_of(void *self, const bb_contest_runner *runner, bb_simulated_code *code)
+{
+    overlapping *o = self;
+    bb_tet_search search;
+    BB_TRY(bb_contest_search(runner, &o->task, 1 - o->asking, &search));
+    BB_TRY(bb_tet_search_code(&search, "overlap_tets", code));
+    code->footing.item_bytes = 4 * sizeof(uint32_t);
+    code->footing.result_bytes = sizeof(uint32_t);
+    return BB_OK;
 }
 
 static bb_status see(void *self, uint32_t direction, const void *first, uint32_t items)
@@ -114,6 +127,7 @@ bb_status bb_overlap_run(const bb_contest_request *request, bb_scene *const scen
                                .questions = 2,
                                .take = take,
                                .ask = ask,
+                               .code = code_of,
                                .see = see,
                                .fill = fill};
     bb_status status = prepare(&o);

@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-enum { GROUP_SIZE = 64, VOXELS_MAX = 1 << 27 };
+enum { VOXELS_MAX = 1 << 27 };
 
 const bb_tet_kernels bb_slice_kernels = {
     .source = "slice_tets.cl", .name = "slice_tets", .option = "BB_WALK_BOUNDARY"};
@@ -95,12 +95,12 @@ bb_status bb_slice(bb_tet_kernels *kernels, const bb_tet_search *search, bool by
     const bb_scene_device *there = &search->scene->on_device;
     const bb_prim_ends ends = bb_scene_ends(search->scene);
     const size_t count = (size_t)slice->size[0] * slice->size[1];
-    bb_arg args[BB_TET_SEARCH_ARGS + 7];
+    bb_arg args[BB_TET_SEARCH_ARGS + 6 + BB_TET_COUNT_ARGS];
     cl_kernel kernel;
     if (by_boundary && !bb_tet_search_has_boundary(search->way))
         return bb_fail(BB_UNSUPPORTED, "there are no cells with flags of the boundary to slice by");
-    BB_TRY(bb_tet_kernels_get(kernels, there->device, search->way, by_boundary, counts != NULL,
-                              &kernel));
+    BB_TRY(bb_tet_kernels_get(kernels, there->device, search->way, by_boundary,
+                              bb_tet_counting_for(search, counts), &kernel));
     uint32_t n = bb_tet_search_args(search, args);
     args[n++] = BB_MEM(there->prims);
     args[n++] = BB_VALUE(ends);
@@ -108,7 +108,6 @@ bb_status bb_slice(bb_tet_kernels *kernels, const bb_tet_search *search, bool by
     args[n++] = BB_MEM(there->field);
     args[n++] = BB_VALUE(*slice);
     args[n++] = BB_MEM(*voxels);
-    if (counts != NULL)
-        args[n++] = BB_MEM(*counts);
-    return bb_launch_args(there->device, kernel, count, GROUP_SIZE, args, n);
+    n += bb_tet_count_args(search, counts, args + n);
+    return bb_launch_args(there->device, kernel, count, BB_TET_GROUP, args, n);
 }

@@ -32,8 +32,19 @@ static bb_status ask(void *self, const bb_contest_runner *runner, bb_contest_ans
     slicing *s = self;
     bb_tet_search search;
     BB_TRY(bb_contest_search(runner, &s->task, 0, &search));
+    search.recording = answers.recording;
     return bb_slice(&s->kernels, &search, runner->by_boundary, &s->slice, answers.items,
                     answers.counts);
+}
+
+static bb_status code_of(void *self, const bb_contest_runner *runner, bb_simulated_code *code)
+{
+    const slicing *s = self;
+    bb_tet_search search;
+    BB_TRY(bb_contest_search(runner, &s->task, 0, &search));
+    BB_TRY(bb_tet_search_code(&search, "slice_tets", code));
+    code->footing.result_bytes = sizeof(bb_sliced);
+    return BB_OK;
 }
 
 /* ---- pictures ---- */
@@ -160,6 +171,7 @@ bb_status bb_slice_run(const bb_slice_request *request, bb_scene *scene, bb_tabl
                                .questions = request->plan.count,
                                .take = take,
                                .ask = ask,
+                               .code = code_of,
                                .see = see,
                                .fill = fill};
     bb_status status = bb_contest_run(&request->contest, &s.task, table);

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { GROUP_SIZE = 64, WIDTHS = 128 };
+enum { WIDTHS = 128 };
 
 struct bb_tet_marcher {
     const bb_scene *scene;
@@ -78,13 +78,13 @@ bb_status bb_tet_march(bb_tet_marcher *marcher, const bb_tet_search *search, boo
 {
     const bb_scene_device *there = &marcher->scene->on_device;
     const bb_prim_ends ends = bb_scene_ends(marcher->scene);
-    bb_arg args[BB_TET_SEARCH_ARGS + 9];
+    bb_arg args[BB_TET_SEARCH_ARGS + 8 + BB_TET_COUNT_ARGS];
     cl_kernel kernel;
     if (interval && !bb_tet_search_has_boundary(search->way))
         return bb_fail(BB_UNSUPPORTED,
                        "there are no cells with flags of the boundary to find intervals by");
     BB_TRY(bb_tet_kernels_get(&marcher->kernels, marcher->device, search->way, interval,
-                              counts != NULL, &kernel));
+                              bb_tet_counting_for(search, counts), &kernel));
     uint32_t n = bb_tet_search_args(search, args);
     args[n++] = BB_MEM(there->prims);
     args[n++] = BB_VALUE(ends);
@@ -94,7 +94,6 @@ bb_status bb_tet_march(bb_tet_marcher *marcher, const bb_tet_search *search, boo
     args[n++] = BB_MEM(*rays);
     args[n++] = BB_VALUE(count);
     args[n++] = BB_MEM(*lights);
-    if (counts != NULL)
-        args[n++] = BB_MEM(*counts);
-    return bb_launch_args(marcher->device, kernel, count, GROUP_SIZE, args, n);
+    n += bb_tet_count_args(search, counts, args + n);
+    return bb_launch_args(marcher->device, kernel, count, BB_TET_GROUP, args, n);
 }

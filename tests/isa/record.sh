@@ -3,6 +3,7 @@
 # that there is: record.sh BVHBENCH MOCK-LIBRARY FOLDER
 #   FOLDER/FORM/N/         what command N built; FORM: cpu or gpu; or test: of both
 #   FOLDER/trace/SPEC/     what kernel SPEC traces closest hits with, in the form for GPUs
+#   FOLDER/march/KERNEL/   what kernel KERNEL marches through a volume with, likewise
 # SPEC: each kernel of `list kernels`, and the variants that are for GPUs; with a stack of 32 where
 # it has one of the tree's size.
 set -euo pipefail
@@ -49,6 +50,9 @@ commands() {
         echo "trace/$kernel run --form gpu --scene cube --builder lbvh --kernel $kernel,stack=32" \
             "--rays primary --size 8x8 --repeats 1 --no-pictures --charts no --quiet" \
             "--out $folder/logs/$kernel"
+        [[ $kernel = *:* ]] ||
+            echo "march/$kernel volume --form gpu --scene nbody:n=16 --builder lbvh" \
+                "--kernel $kernel,stack=32 --size 8x8 --steps none --repeats 1 --quiet"
     done
 }
 

@@ -1,13 +1,15 @@
 # Instructions of each step of a traversal, from assembly for gfx1030 in which BB_MARKING has left a
 # comment at each: NAME KERNEL COLUMN VALUE. A step costs all instructions of the loop that it is in,
 # but for those of loops inside. If a loop has steps of several kinds, the first has them all: node,
-# prims, pop, push, restart. Loops without a step belong to the step that they are inside of; those
-# right around a step's loop to the pops, or the nodes; others, and what is in no loop, to a ray's
-# beginning.
+# prims, pop, push, restart, sample, again; of several loops with samples the longest counts. Loops
+# without a step belong to the step that they are inside of; those right around a step's loop, also
+# if another search begins there, to the pops, or the nodes; others, and what is in no loop, to a
+# ray's beginning.
 /^[A-Za-z_][A-Za-z0-9_]*:/ {
     name_of = $1
     sub(/:.*/, "", name_of)
-    in_kernel = name_of == "trace"
+    in_kernel = name_of ~ /^(trace|march_all)$/
+    if (in_kernel) kernel = name_of
     loop = ""
 }
 !in_kernel { next }
@@ -40,20 +42,21 @@
 }
 /^\t[a-z]/ && !/^\t[.;]/ { counts[loop]++ }
 END {
-    split("NODE PRIMS POP PUSH RESTART", kinds, " ")
-    for (k = 1; k <= 5; k++) {
+    if (kernel == "") exit
+    many = split("NODE PRIMS POP PUSH RESTART SAMPLE AGAIN", kinds, " ")
+    for (k = 1; k <= many; k++) {
         kind = "BB_STEP_" kinds[k]
         sum = 0
         for (i = 1; i <= places[kind]; i++) {
             at = loop_of[kind, i]
-            if (at in owner || at == "") continue
+            if (at in owner || at == "" || (kinds[k] == "AGAIN" && at in holds)) continue
+            holds[parent[at]] = 1
             owner[at] = k
-            sum += counts[at]
+            sum = kinds[k] != "SAMPLE" ? sum + counts[at] : counts[at] > sum ? counts[at] : sum
         }
         cost[k] = sum
     }
     around = places["BB_STEP_POP"] > 0 ? 3 : 1
-    for (at in owner) holds[parent[at]] = 1
     for (at in counts) {
         if (at == "" || at in owner) continue
         outer = parent[at]
@@ -62,7 +65,7 @@ END {
         else if (at in holds) cost[around] += counts[at]
         else counts[""] += counts[at]
     }
-    for (k = 1; k <= 5; k++)
-        print name, "trace", "step_" tolower(kinds[k]), cost[k]
-    print name, "trace", "step_begin", counts[""]
+    for (k = 1; k <= many; k++)
+        print name, kernel, "step_" tolower(kinds[k]), cost[k]
+    print name, kernel, "step_begin", counts[""]
 }

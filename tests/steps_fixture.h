@@ -1,0 +1,42 @@
+/* The steps that a variant of a kernel records, against what another one counts. */
+#ifndef BB_TEST_STEPS_FIXTURE_H
+#define BB_TEST_STEPS_FIXTURE_H
+
+#include "framework/simulate/steps_launch.h"
+#include "tests/fixture.h"
+
+/* Of each kind, the steps of one item. */
+typedef struct step_sums {
+    uint32_t of[BB_STEP_KINDS];
+} step_sums;
+
+/* Adds up each item's steps; the caller frees them. */
+static inline step_sums *sum_steps(const bb_steps *steps)
+{
+    step_sums *sums = calloc(steps->rays + 1, sizeof *sums);
+    assert_non_null(sums);
+    for (uint32_t i = 0, at = 0; i < steps->rays; i++)
+        for (; at < steps->ends[i]; at++)
+            sums[i].of[bb_step_kind(steps->words[at])]++;
+    return sums;
+}
+
+/* A sample must consist of two runs of the steps of all items. */
+static inline void expect_sample(const bb_steps *steps, const bb_steps *sample)
+{
+    assert_int_equal(sample->rays, 2 * BB_STEPS_RUN);
+    for (uint32_t run = 0, from = 0; run < 2; run++) {
+        const uint32_t end = sample->ends[(run + 1) * BB_STEPS_RUN - 1];
+        bool found = false;
+        for (uint32_t k = 0; (k + 1) * BB_STEPS_RUN <= steps->rays && !found; k++) {
+            const uint32_t first = k > 0 ? steps->ends[k * BB_STEPS_RUN - 1] : 0;
+            found = steps->ends[(k + 1) * BB_STEPS_RUN - 1] - first == end - from &&
+                    memcmp(steps->words + first, sample->words + from,
+                           (end - from) * sizeof(uint32_t)) == 0;
+        }
+        assert_true(found);
+        from = end;
+    }
+}
+
+#endif
