@@ -2,6 +2,7 @@
 #include "framework/bench/contest_table.h"
 
 #include "framework/scene/tets.h"
+#include "framework/simulate/simulated_table.h"
 
 #include <math.h>
 #include <string.h>
@@ -49,16 +50,6 @@ BB_EXACT(references, "references", "references", "", "Of the tree's leaves to pr
          0);
 BB_EXACT(per_primitive, "references_per_primitive", "references per primitive", "", "Of the tree.",
          LESS, 2);
-
-BB_TEXT(unsimulated, "simt_unsimulated", "not simulated", "Why there are no simulated figures.");
-BB_TEXT(binds, "simt_binds", "binds", "What bounds the simulated speed: issue, L1, L2 or memory.");
-/* Of ways on GPUs on paper: an item that is answered is a ray here. */
-static const bb_column simulated_columns[] = {
-#define SIMT(id, member, name, unit, better, heading, help)                                        \
-    BB_EXACT_COLUMN(name, name, unit, "Simulated, neither measured nor validated: " help ".",      \
-                    better, -1),
-#include "framework/simulate/simt_figures.h"
-};
 
 static const bb_axes axes = {BB_DRAW_BARS, "ms", "", false, false};
 static const bb_axes by_step = {BB_DRAW_LINES, "step", "error of a channel", true, true};
@@ -223,16 +214,6 @@ void bb_contest_fill(bb_table *table, const char *scene, const bb_contest_way *w
     }
 }
 
-static void fill_simulation(bb_table *table, uint32_t row, const bb_simulation *s)
-{
-    uint32_t n = 0;
-#define SIMT(id, member, name, unit, better, heading, help)                                        \
-    bb_table_set_number(table, row, &simulated_columns[n++], s->member);
-#include "framework/simulate/simt_figures.h"
-    if (isfinite(s->mrays_s))
-        bb_table_set_text(table, row, &binds, bb_binding_word(s->binds));
-}
-
 void bb_contest_fill_simulated(bb_table *table, const char *scene, const bb_contest_way *ways,
                                uint32_t count, const bb_simt *simts, uint32_t simt_count)
 {
@@ -243,10 +224,10 @@ void bb_contest_fill_simulated(bb_table *table, const char *scene, const bb_cont
             if (way->refused[0] != '\0')
                 continue;
             if (way->simulated)
-                fill_simulation(table, row_of(table, scene, way, simts[i].name, search),
-                                &way->simulations[i]);
+                bb_simulated_put(table, row_of(table, scene, way, simts[i].name, search),
+                                 &way->simulations[i]);
             else if (way->unsimulated[0] != '\0')
-                bb_table_set_text(table, row_of(table, scene, way, simts[i].name, search),
-                                  &unsimulated, way->unsimulated);
+                bb_simulated_put_none(table, row_of(table, scene, way, simts[i].name, search),
+                                      way->unsimulated);
         }
 }

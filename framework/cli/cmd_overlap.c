@@ -36,7 +36,7 @@ static const bb_cli_option options[] = {
     {"brief", NULL,
      "show less: no trees, phases and legends; by default no builders that take long on meshes",
      BB_INTO(job, brief)},
-    BB_SIMT_OPTION(job, choice.metrics),
+    BB_SIMULATIONS_OPTION(job, choice.metrics, "each way's answer to the first question"),
     BB_GROUP(bb_contest_options, job, choice),
     {"out", "DIR",
      "folder for overlap.json, overlap.html and pictures of what does not overlap; default: none",

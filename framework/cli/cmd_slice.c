@@ -41,7 +41,7 @@ static const bb_cli_option options[] = {
      .high = BB_SAMPLES_MAX - 1, .fallback = "10"},
     BB_ROUNDS_IN_TIME_OPTION(job, choice.time),
     BB_SEED_OPTION(job, request.contest.seed),
-    BB_SIMT_OPTION(job, choice.metrics),
+    BB_SIMULATIONS_OPTION(job, choice.metrics, "each way's answer to the first question"),
     BB_GROUP(bb_contest_options, job, choice),
     {"out", "DIR",
      "folder for slice.json, slice.html, and a PNG and an EXR of each slice; default: none",

@@ -57,7 +57,7 @@ static const bb_cli_option options[] = {
     {"brief", NULL,
      "show less: no trees, phases and legends; by default no builders that take long on meshes",
      BB_INTO(job, brief)},
-    BB_SIMT_OPTION(job, choice.metrics),
+    BB_SIMULATIONS_OPTION(job, choice.metrics, "each way's answer to the first question"),
     BB_GROUP(bb_contest_options, job, choice),
     {"out", "DIR", "folder for volume.json, volume.html and PNG pictures; default: none",
      BB_INTO(job, choice.out)},

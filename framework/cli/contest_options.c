@@ -6,6 +6,7 @@
 #include "framework/builder/pipeline.h"
 #include "framework/builder/registry.h"
 #include "framework/cli/inputs.h"
+#include "framework/cli/names.h"
 #include "framework/cli/out_option.h"
 
 #include <math.h>
@@ -80,21 +81,10 @@ double bb_contest_ends(const bb_contest_choice *choice, size_t left)
     return choice->ends_ms > 0 ? now + fmax(0, choice->ends_ms - now) / (double)left : 0;
 }
 
-static bb_status read_metrics(bb_contest_choice *choice)
-{
-    const bb_names *metrics = &choice->metrics;
-    for (size_t i = 0; i < metrics->count; i++)
-        if (!bb_is_simt(metrics->items[i]))
-            return bb_fail(BB_INVALID, "--metrics: there is no '%s' here, only " BB_SIMT,
-                           metrics->items[i]);
-    return bb_simts_parse(metrics->items, (uint32_t)metrics->count, choice->simts,
-                          &choice->simt_count);
-}
-
 bb_status bb_contest_begin(bb_contest_choice *choice, char *const *scenes, size_t count)
 {
     BB_TRY(bb_time_option(choice->time, &choice->ends_ms));
-    BB_TRY(read_metrics(choice));
+    BB_TRY(bb_choose_simulations(&choice->metrics, choice->simts, &choice->simt_count));
     BB_TRY(bb_load_plugins(&choice->device.plugins));
     for (size_t i = 0; i < count; i++)
         BB_TRY(bb_check_scene(scenes[i]));

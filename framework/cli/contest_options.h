@@ -15,7 +15,7 @@ typedef struct bb_contest_choice {
     const char *time;    /* that the command may take; NULL: any */
     double ends_ms;      /* bb_wall_ms() when it is over, once begun; 0: never */
     bool json;
-    bb_names metrics;           /* simulations, where BB_SIMT_OPTION is */
+    bb_names metrics;           /* simulations, where BB_SIMULATIONS_OPTION is */
     bb_simt simts[BB_SIMT_MAX]; /* the same, once begun */
     uint32_t simt_count;
 } bb_contest_choice;
@@ -27,15 +27,6 @@ extern const bb_cli_option bb_contest_options[];
     BB_TIME_OPTION(type, member,                                                                   \
                    "take about this long, such as 5min, with fewer rounds if need be; what comes " \
                    "before and after them is done in any case")
-
-#define BB_SIMT_OPTION(type, member)                                                               \
-    {                                                                                              \
-        "metrics", "M",                                                                            \
-            BB_SIMT ", such as " BB_SIMT                                                           \
-                    ":device=h100,width=32,cache=2: each way's answer to the "                     \
-                    "first question is simulated on a GPU on paper (bvhbench list metrics)",       \
-            BB_INTO(type, member)                                                                  \
-    }
 
 #define BB_SEARCH_OPTION(type, member, start)                                                      \
     {                                                                                              \

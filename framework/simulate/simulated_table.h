@@ -8,6 +8,9 @@
 /* Puts all figures into the row, and what binds. */
 void bb_simulated_put(bb_table *table, uint32_t row, const bb_simulation *simulation);
 
+/* Puts the reason why there are none. */
+void bb_simulated_put_none(bb_table *table, uint32_t row, const char *why);
+
 /* Reads them back. A figure that is not there is NAN. Returns whether there is a bound. */
 bool bb_simulated_get(const bb_table *table, uint32_t row, bb_simulation *simulation);
 

@@ -75,8 +75,6 @@ BB_EXACT(all_wrong, "wrong_answers", "wrong", "", "In all frames.", NEITHER, 0);
 BB_TIMED(speed, "mrays_per_s", "M/s", "",
          "Millions of rays per second, over all frames but the first.", MORE, 3);
 
-BB_TEXT(unsimulated, "simt_unsimulated", "not simulated", "Why there are no simulated figures.");
-
 /* Of a frame with so many rays of a kind. */
 BB_TIMED(frame_ms, "frame_ms", "frame", "ms",
          "Update, transfer, layout and tracing, by the method's best kernel.", LESS, 3);
@@ -227,10 +225,10 @@ static void fill_unsimulated(const bb_animate_result *r, const bb_animate_method
 {
     for (uint32_t k = 0; k < r->kernel_count; k++)
         for (uint32_t i = 0; i < r->simulation_count && method->unsimulated[k][0] != '\0'; i++)
-            bb_table_set_text(
+            bb_simulated_put_none(
                 table,
                 row_of(r, table, NULL, NULL, method->builder, r->simulations[i], r->kernels[k]),
-                &unsimulated, method->unsimulated[k]);
+                method->unsimulated[k]);
 }
 
 static void fill_frame(const bb_animate_result *r, const bb_animate_method *method, uint32_t f,
