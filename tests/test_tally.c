@@ -155,7 +155,7 @@ static void bounds_follow(void **state)
     (void)state;
     const bb_description paper = {
         .clock_ghz = 1, .second_bytes = 1000, .second_bytes_per_clock = 10, .memory_gb_s = 1};
-    bb_move moves[] = {{600, 1000}, {0, 1000}, {800, 1001}};
+    bb_tally_move moves[] = {{600, 1000}, {0, 1000}, {800, 1001}};
     bb_build_moves build = {
         .tally = {.moves = moves, .move_count = 3, .sort_passes = 4, .array_bytes = 700},
         .launches = 3,

@@ -54,9 +54,9 @@ static void *with_room(void *list, uint32_t count, size_t bytes)
     return realloc(list, (count == 0 ? 1 : 2 * (size_t)count) * bytes);
 }
 
-static bb_status add_move(bb_tally *tally, bb_move move)
+static bb_status add_move(bb_tally *tally, bb_tally_move move)
 {
-    bb_move *moves = with_room(tally->moves, tally->move_count, sizeof *moves);
+    bb_tally_move *moves = with_room(tally->moves, tally->move_count, sizeof *moves);
     if (moves == NULL)
         return bb_fail(BB_FAILED, "out of memory");
     tally->moves = moves;
@@ -123,7 +123,7 @@ bb_status bb_tally_launch(bb_device *device, cl_kernel kernel, const bb_arg *arg
     bb_tally *tally = device->tally;
     const bool passes = tally->passes;
     bool repeated, *has = calloc(tally->array_count + count + 1, sizeof *has);
-    bb_move move = {0};
+    bb_tally_move move = {0};
     bb_status status = has != NULL ? BB_OK : bb_fail(BB_FAILED, "out of memory");
     for (uint32_t i = 0; i < count && status == BB_OK; i++) {
         cl_mem mem = NULL;
@@ -152,7 +152,7 @@ bb_status bb_tally_part(bb_device *device, cl_mem array, uint64_t bytes)
     uint32_t number;
     uint64_t whole = 0;
     BB_TRY(find_array(device->tally, array, &number, &whole));
-    return add_move(device->tally, (bb_move){bytes, whole});
+    return add_move(device->tally, (bb_tally_move){bytes, whole});
 }
 
 bb_device *bb_tally_pass(bb_device *device)

@@ -17,14 +17,14 @@
 #include "framework/device/device.h"
 
 /* A launch, fill, copy or transfer. */
-typedef struct bb_move {
+typedef struct bb_tally_move {
     uint64_t bytes;  /* moved, once those of earlier launches are left out */
     uint64_t arrays; /* sizes of the arrays that these are of, together */
-} bb_move;
+} bb_tally_move;
 
 /* Zeroed, it is empty. It must not move while it is attached. */
 typedef struct bb_tally {
-    bb_move *moves;
+    bb_tally_move *moves;
     uint32_t move_count;
     uint64_t sort_passes;
     uint64_t array_bytes; /* of all arrays, each once */

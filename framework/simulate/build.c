@@ -42,7 +42,7 @@ bb_build_simulation bb_simulate_build(const bb_description *d, const bb_build_mo
                              .waits = (double)moves->waits,
                              .sort_passes = (double)tally->sort_passes};
     for (uint32_t i = 0; i < tally->move_count; i++) {
-        const bb_move *move = &tally->moves[i];
+        const bb_tally_move *move = &tally->moves[i];
         s.bytes += (double)move->bytes;
         s.memory_bytes += (double)move->arrays > d->second_bytes ? (double)move->bytes : 0;
     }
