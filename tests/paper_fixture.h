@@ -137,11 +137,13 @@ static void free_paper_tables(void)
 
 static inline bb_findings findings_of(bb_results *results, uint32_t run)
 {
-    bb_findings f = {.scenes = scenes, .scene_count = 2};
+    static const char *names[BB_SIMT_MAX];
+    bb_findings f = {.scenes = scenes, .scene_count = 2, .simulations = names};
+    f.simulation_count = bb_results_simulations(results, names);
     if (paper_table_count == 0)
         atexit(free_paper_tables);
     ASSERT_OK(bb_table_create("reproduce", &f.table));
-    ASSERT_OK(bb_paper_measured(results, run, f.table));
+    ASSERT_OK(bb_paper_measured(results, run, &f));
     assert_true(paper_table_count < sizeof paper_tables / sizeof paper_tables[0]);
     return paper_tables[paper_table_count++] = f.table, f;
 }

@@ -138,7 +138,7 @@ static void any_name_of_a_scene_is_found(void **state)
     add_build(results, scene.name, "emc", 3, 1);
     ASSERT_OK(bb_table_create("reproduce", &f.table));
     ASSERT_OK(bb_paper_add_scene(&f, scene.name));
-    ASSERT_OK(bb_paper_measured(results, 0, f.table));
+    ASSERT_OK(bb_paper_measured(results, 0, &f));
     assert_string_equal(f.scenes[0], "a%FF.obj");
     assert_true(value_at(&f, f.scenes[0], (bb_figure){.what = "prims"}) == 7);
     assert_true(value_at(&f, NULL, (bb_figure){.what = "sah", .builder = "emc"}) == 3);

@@ -367,7 +367,8 @@ static void fill(const bb_contest *c, bb_table *table)
     task->fill(task->self, table, bb_contest_scene_row(table, c->request->name, NULL));
     bb_contest_fill(table, c->request->name, c->ways, c->way_count, (double)c->items / answers,
                     tets);
-    bb_contest_fill_simulated(table, c->request->name, c->ways, c->way_count, c->request->simts,
+    bb_contest_fill_simulated(table, c->request->name, c->ways, c->way_count,
+                              (double)c->items / answers, c->request->simts,
                               c->request->simt_count);
 }
 

@@ -51,6 +51,9 @@ BB_EXACT(references, "references", "references", "", "Of the tree's leaves to pr
 BB_EXACT(per_primitive, "references_per_primitive", "references per primitive", "", "Of the tree.",
          LESS, 2);
 
+BB_EXACT(simulated_answer, "simt_answer_ms", "answer", "ms",
+         "Simulated, neither measured nor validated: an answer, by the bound.", LESS, 3);
+
 static const bb_axes axes = {BB_DRAW_BARS, "ms", "", false, false};
 static const bb_axes by_step = {BB_DRAW_LINES, "step", "error of a channel", true, true};
 static const bb_axes by_time = {BB_DRAW_LINES, "last picture ms", "error of a channel", true, true};
@@ -95,7 +98,8 @@ const bb_table_view bb_contest_views[BB_CONTEST_VIEWS] = {
      .with = BB_SET(BB_INTERSECTOR) | BB_SET(BB_MAKER),
      .rows = BB_SET(BB_BUILDER) | BB_SET(BB_INTERSECTOR),
      .each = BB_SET(BB_MAKER),
-     .columns = {{{"simt_mrays_s"}, "bound", false},
+     .columns = {{{"simt_answer_ms"}, "answer", false},
+                 {{"simt_mrays_s"}, "bound", false},
                  {{"simt_binds"}, "by", false},
                  {{"simt_l1_mrays_s"}, "L1", false},
                  {{"simt_l2_mrays_s"}, "L2", false},
@@ -215,7 +219,8 @@ void bb_contest_fill(bb_table *table, const char *scene, const bb_contest_way *w
 }
 
 void bb_contest_fill_simulated(bb_table *table, const char *scene, const bb_contest_way *ways,
-                               uint32_t count, const bb_simt *simts, uint32_t simt_count)
+                               uint32_t count, double items, const bb_simt *simts,
+                               uint32_t simt_count)
 {
     for (uint32_t w = 0; w < count; w++)
         for (uint32_t i = 0; i < simt_count; i++) {
@@ -223,10 +228,12 @@ void bb_contest_fill_simulated(bb_table *table, const char *scene, const bb_cont
             const char *search = way->builder[0] == '\0' ? "no tree" : way->search;
             if (way->refused[0] != '\0')
                 continue;
-            if (way->simulated)
-                bb_simulated_put(table, row_of(table, scene, way, simts[i].name, search),
-                                 &way->simulations[i]);
-            else if (way->unsimulated[0] != '\0')
+            if (way->simulated) {
+                const uint32_t row = row_of(table, scene, way, simts[i].name, search);
+                bb_simulated_put(table, row, &way->simulations[i]);
+                bb_table_set_number(table, row, &simulated_answer,
+                                    items / way->simulations[i].mrays_s / 1e3);
+            } else if (way->unsimulated[0] != '\0')
                 bb_simulated_put_none(table, row_of(table, scene, way, simts[i].name, search),
                                       way->unsimulated);
         }

@@ -61,9 +61,11 @@ extern const bb_column bb_column_picture;
 void bb_contest_fill(bb_table *table, const char *scene, const bb_contest_way *ways, uint32_t count,
                      double items, double primitives);
 
-/* Adds each simulation as a row of its way, with the simulation's name as the maker. */
+/* Adds each simulation as a row of its way, with the simulation's name as the maker; `items` as
+ * above. */
 void bb_contest_fill_simulated(bb_table *table, const char *scene, const bb_contest_way *ways,
-                               uint32_t count, const bb_simt *simts, uint32_t simt_count);
+                               uint32_t count, double items, const bb_simt *simts,
+                               uint32_t simt_count);
 
 /* The row of a scene, with a question (NULL: without). */
 uint32_t bb_contest_scene_row(bb_table *table, const char *scene, const char *question);

@@ -19,6 +19,7 @@ typedef struct wanted {
     bb_reproduce_request request;
     bb_bystanders watch; /* of its contests */
     bb_names scenes, metrics;
+    bb_simt simts[BB_SIMT_MAX];
     const char *folder, *history, *time;
     uint32_t charts;
     double ends_ms;        /* bb_wall_ms() when the time is over; 0: never */
@@ -287,12 +288,10 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
 {
     wanted *w = values;
     bb_reproduce_request *request = &w->request;
-    bb_simt simts[BB_SIMT_MAX];
-    uint32_t simulations;
     BB_TRY(bb_time_option(w->time, &w->ends_ms));
-    BB_TRY(bb_choose_simulations(&w->metrics, simts, &simulations));
+    BB_TRY(bb_choose_simulations(&w->metrics, w->simts, &request->simt_count));
     request->metrics = w->metrics.items;
-    request->metric_count = (uint32_t)w->metrics.count;
+    request->simts = w->simts;
     BB_TRY(bb_charts_decide(&w->charts));
     BB_TRY(bb_load_plugins(&w->device.plugins));
     if (cli->positional_count != 1)

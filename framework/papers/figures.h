@@ -18,6 +18,8 @@ typedef struct bb_findings {
     bb_table *table;
     char **scenes;
     size_t scene_count;
+    const char *const *simulations; /* names of those asked for, in one order for all tables */
+    uint32_t simulation_count;      /* at most BB_SIMT_MAX */
 } bb_findings;
 
 /* Name of a scene's view by number; "" if there is none. */

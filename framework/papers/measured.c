@@ -3,6 +3,8 @@
 #include "framework/papers/reproduce.h"
 #include "framework/record/record.h"
 
+#include <string.h>
+
 /* Figures under the names that they have in the results. */
 static const bb_field_id of_scenes[] = {BB_F_SCENE_PRIMS, BB_F_PROFILE_FLATNESS,
                                         BB_F_PROFILE_SIZE_MAX, BB_F_PROFILE_SIZE_MEDIAN,
@@ -44,7 +46,7 @@ static void add_scene(bb_table *table, const bb_entry *scene)
     }
 }
 
-static void add_build(bb_table *table, const bb_entry *build)
+static uint32_t add_build(bb_table *table, const bb_entry *build)
 {
     bb_samples rounds;
     bb_cell cell = {{[BB_SCENE] = bb_get_text(build, BB_F_BUILD_SCENE),
@@ -61,6 +63,7 @@ static void add_build(bb_table *table, const bb_entry *build)
         bb_table_set_number(table, bb_table_row(table, cell), &phase_ms,
                             bb_get_number(phase, BB_F_BUILD_PHASES));
     }
+    return row;
 }
 
 static uint32_t add_trace(bb_table *table, const bb_entry *trace)
@@ -83,20 +86,43 @@ static uint32_t add_trace(bb_table *table, const bb_entry *trace)
     return row;
 }
 
-/* The columns of simulated times, by simulation. */
-static const bb_column simulated_trace[BB_SIMT_MAX] = {
-    BB_FOUND_NUMBER("simulated1_trace_ms", "Simulated, neither measured nor validated."),
-    BB_FOUND_NUMBER("simulated2_trace_ms", "Likewise, of the second simulation."),
-    BB_FOUND_NUMBER("simulated3_trace_ms", "Likewise, of the third."),
-    BB_FOUND_NUMBER("simulated4_trace_ms", "Likewise, of the fourth.")};
+/* The columns of simulated times, by simulation (BB_SIMULATED_TIME). */
+#define OF_SIMULATIONS(name_)                                                                      \
+    {                                                                                              \
+        SIMULATED("simulated1_" name_), SIMULATED("simulated2_" name_),                            \
+            SIMULATED("simulated3_" name_), SIMULATED("simulated4_" name_)                         \
+    }
+#define SIMULATED(name_) BB_FOUND_NUMBER(name_, "Simulated, neither measured nor validated.")
+static const bb_column simulated_trace[BB_SIMT_MAX] = OF_SIMULATIONS("trace_ms"),
+                       simulated_build[BB_SIMT_MAX] = OF_SIMULATIONS("build_ms"),
+                       simulated_answer[BB_SIMT_MAX] = OF_SIMULATIONS("answer_ms");
 
-static void add_simulations(const bb_entry *trace, const char *const *names, uint32_t count,
-                            bb_table *table, uint32_t row)
+static void add_simulated_build(const bb_findings *f, const bb_entry *build, uint32_t row)
 {
-    for (uint32_t i = 0; i < count; i++)
-        bb_table_set_number(table, row, &simulated_trace[i],
+    for (uint32_t i = 0; i < f->simulation_count; i++)
+        bb_table_set_number(f->table, row, &simulated_build[i],
+                            bb_get_named(build, BB_F_SIMT_BUILD_MS, f->simulations[i]));
+}
+
+static void add_simulated_trace(const bb_findings *f, const bb_entry *trace, uint32_t row)
+{
+    for (uint32_t i = 0; i < f->simulation_count; i++)
+        bb_table_set_number(f->table, row, &simulated_trace[i],
                             bb_get_number(trace, BB_F_TRACE_COUNT) / 1e3 /
-                                bb_get_named(trace, BB_F_SIMT_RATE, names[i]));
+                                bb_get_named(trace, BB_F_SIMT_RATE, f->simulations[i]));
+}
+
+void bb_paper_add_simulated_answers(bb_findings *f)
+{
+    for (uint32_t i = 0; i < f->simulation_count; i++)
+        for (uint32_t row = 0; row < bb_table_row_count(f->table); row++) {
+            if (strcmp(bb_table_name(f->table, row, BB_MAKER), f->simulations[i]) != 0)
+                continue;
+            bb_cell way = bb_table_cell(f->table, row);
+            way.names[BB_MAKER] = NULL;
+            bb_table_set_number(f->table, bb_table_row(f->table, way), &simulated_answer[i],
+                                bb_table_get_number(f->table, row, "simt_answer_ms"));
+        }
 }
 
 static bool is_of(const bb_entry *entry, uint32_t run)
@@ -104,14 +130,13 @@ static bool is_of(const bb_entry *entry, uint32_t run)
     return bb_run_of(entry) == run && bb_is_ok(entry);
 }
 
-bb_status bb_paper_measured(const bb_results *results, uint32_t run, bb_table *table)
+bb_status bb_paper_measured(const bb_results *results, uint32_t run, bb_findings *f)
 {
+    bb_table *table = f->table;
     bb_each(scene, bb_results_section(results, BB_SCENES)) add_scene(table, scene);
     bb_each(build, bb_results_section(results, BB_BUILDS)) if (is_of(build, run))
-        add_build(table, build);
-    const char *names[BB_SIMT_MAX];
-    const uint32_t simulations = bb_results_simulations(results, names);
+        add_simulated_build(f, build, add_build(table, build));
     bb_each(trace, bb_results_section(results, BB_TRACES)) if (is_of(trace, run))
-        add_simulations(trace, names, simulations, table, add_trace(table, trace));
+        add_simulated_trace(f, trace, add_trace(table, trace));
     return bb_table_status(table);
 }

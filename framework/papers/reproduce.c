@@ -175,7 +175,7 @@ static bb_status make_plan(const bb_reproduce_request *request, const bb_experim
         .max_views = e->max_views,
         .repeats = request->quick ? 2 : repeats,
         .metrics = request->metrics,
-        .metric_count = request->metric_count,
+        .metric_count = request->simt_count,
         .seed = request->seed,
         .quiet = request->quiet,
     };
@@ -230,7 +230,7 @@ static bb_status run(const bb_reproduce_request *request, const bb_experiment *e
     BB_TRY(status);
     for (size_t s = 0; s < p->scenes.count; s++)
         BB_TRY(bb_paper_add_scene(f, p->scenes.items[s]));
-    return bb_paper_measured(results, run, f->table);
+    return bb_paper_measured(results, run, f);
 }
 
 uint32_t bb_paper_rounds(const bb_reproduce_request *request, uint32_t usual)
@@ -244,6 +244,8 @@ bb_contest_request bb_paper_contest(const bb_reproduce_request *request, const c
                                 .name = name,
                                 .repeats = bb_paper_rounds(request, 7),
                                 .seed = request->seed,
+                                .simts = request->simts,
+                                .simt_count = request->simt_count,
                                 .quiet = request->quiet,
                                 .audit = request->audit,
                                 .watch = request->watch};
@@ -274,10 +276,16 @@ bb_status bb_reproduce(const bb_reproduce_request *request, bb_results *results,
 {
     const bb_paper *paper = request->paper;
     bb_findings findings[BB_EXPERIMENTS_MAX] = {0};
+    const char *simulations[BB_SIMT_MAX];
     bb_status status = BB_OK;
     bool wrong = false;
-    for (int i = 0; i < BB_EXPERIMENTS_MAX && status == BB_OK; i++)
+    for (uint32_t i = 0; i < request->simt_count; i++)
+        simulations[i] = request->simts[i].name;
+    for (int i = 0; i < BB_EXPERIMENTS_MAX && status == BB_OK; i++) {
         status = bb_table_create("reproduce", &findings[i].table);
+        findings[i].simulations = simulations;
+        findings[i].simulation_count = request->simt_count;
+    }
     for (const bb_experiment *e = paper->experiments; e != NULL && e->name != NULL; e++) {
         plan p = {.builders = {.count = 0}};
         if (status == BB_OK) {
@@ -290,6 +298,8 @@ bb_status bb_reproduce(const bb_reproduce_request *request, bb_results *results,
         const double start = bb_wall_ms();
         status = paper->measure(request, findings, &wrong);
         const double ms = bb_wall_ms() - start;
+        for (int i = 0; i < BB_EXPERIMENTS_MAX && status == BB_OK; i++)
+            bb_paper_add_simulated_answers(&findings[i]);
         outcome->times.total_ms += ms;
         if (status == BB_OK)
             status = bb_results_add_step(results, "contests", ms);

@@ -71,7 +71,8 @@ struct bb_reproduce_request {
     uint32_t repeats; /* 0: as the experiments say */
     uint64_t max_prims;   /* the largest '#' */
     char *const *metrics; /* simulations, by which claims on times are judged once more */
-    uint32_t metric_count;
+    const bb_simt *simts; /* the same, read */
+    uint32_t simt_count;
     uint64_t seed;
     bool quiet;
     bb_audit *audit;      /* gets all timings of measure(); NULL: none is asked for */
@@ -102,7 +103,10 @@ void bb_reproduction_show(const bb_results *results, bb_page *page);
 bb_status bb_reproduction_print(const bb_results *results, FILE *out);
 
 /* Adds what a comparison measured to the table: builds with ids from `first` on, all scenes. */
-bb_status bb_paper_measured(const bb_results *results, uint32_t first, bb_table *table);
+bb_status bb_paper_measured(const bb_results *results, uint32_t first, bb_findings *f);
+
+/* Puts simulated answers of contests into the rows of their ways. */
+void bb_paper_add_simulated_answers(bb_findings *f);
 
 /* ---- for measure() ---- */
 

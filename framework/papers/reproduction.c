@@ -8,9 +8,9 @@
 struct bb_reproduction {
     bb_results *results;
     const char *paper;
-    const char *simulations[BB_SIMT_MAX]; /* their names */
-    bb_words title;                       /* of the current table */
-    uint32_t tables, rows, cells;         /* so far: of the paper, of the table, of the row */
+    const char *const *simulations; /* their names */
+    bb_words title;                 /* of the current table */
+    uint32_t tables, rows, cells;   /* so far: of the paper, of the table, of the row */
     bb_status status;
 };
 
@@ -73,11 +73,11 @@ void bb_claim(bb_reproduction *r, const char *claim, const char *paper, uint32_t
 bb_status bb_reproduction_add(const bb_paper *paper, const bb_findings *findings,
                               bb_results *results)
 {
-    bb_reproduction r = {.results = results, .paper = paper->name};
+    bb_reproduction r = {
+        .results = results, .paper = paper->name, .simulations = findings[0].simulations};
     note(&r, bb_results_add_paper(results, paper->name, paper->title));
     bb_paper_add_tables(paper->tables, findings, &r);
-    const uint32_t simulations = bb_results_simulations(results, r.simulations);
-    for (uint32_t by = 0; by <= simulations; by++)
+    for (uint32_t by = 0; by <= findings[0].simulation_count; by++)
         for (int i = 0; i < 2; i++)
             bb_paper_add_claims(paper->claims[i], findings, by, &r);
     return r.status;
@@ -193,13 +193,18 @@ static void show_claims(const bb_entry *paper, const char *simulation, bb_page *
         show_claim(claim, page);
 }
 
-static void show_all_claims(const bb_results *results, const bb_entry *paper, bb_page *page)
+/* Those of what was measured, then those of each simulation, which follow each other. */
+static void show_all_claims(const bb_entry *paper, bb_page *page)
 {
-    const char *simulations[BB_SIMT_MAX];
-    const uint32_t count = bb_results_simulations(results, simulations);
+    const char *last = "";
     show_claims(paper, "", page);
-    for (uint32_t i = 0; i < count; i++)
-        show_claims(paper, simulations[i], page);
+    bb_each_part(claim, paper, BB_F_CLAIM_VERDICT)
+    {
+        const char *by = bb_get_text(claim, BB_F_CLAIM_SIMULATED);
+        if (strcmp(by, last) != 0)
+            show_claims(paper, by, page);
+        last = by;
+    }
 }
 
 /* Where it was measured. */
@@ -225,7 +230,7 @@ void bb_reproduction_show(const bb_results *results, bb_page *page)
         show_here(results, page);
         for (const bb_entry *row = bb_first_part(paper, BB_F_TABLE_TITLE); row != NULL;)
             row = show_table(row, page);
-        show_all_claims(results, paper, page);
+        show_all_claims(paper, page);
     }
 }
 
