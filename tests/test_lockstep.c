@@ -1,12 +1,11 @@
 /* The replay of recorded steps (framework/simulate/) against work-groups that run the same
- * traversals in lockstep on the device, by tests/lockstep/: the same steps, lanes, sectors and
+ * traversals in lockstep on the device: the same steps, lanes, sectors and
  * lines of each kind, to the last one. */
 #include "framework/base/arithmetic.h"
-#include "framework/base/file.h"
 #include "framework/base/random.h"
 #include "framework/builder/instance.h"
 #include "framework/judge/queries.h"
-#include "framework/simulate/machine.h"
+#include "framework/simulate/lockstep.h"
 #include "tests/device_fixture.h"
 #include "tests/tree_fixture.h"
 
@@ -16,25 +15,6 @@
 #include <string.h>
 
 enum { RAYS = 150 }; /* groups of 32 and of 64, the last ones not whole */
-
-static const struct {
-    const char *kernel, *source;
-    uint32_t leaf, ring;
-    const char *defines;
-} cases[] = {
-    {"stack", "stack_lockstep.cl", 4, 0, "-DBB_STACK_SIZE=64"},
-    {"stack8", "stack8_lockstep.cl", 8, 0, "-DBB_STACK_SIZE=128 -DBB_WIDTH=8"},
-    {"stackless", "stackless_lockstep.cl", 1, 0, ""},
-    {"short:entries=4", "short_lockstep.cl", 1, 4, "-DBB_LEVELS=64 -DBB_ENTRIES=4"},
-    {"cwbvh", "cwbvh_lockstep.cl", 3, 0, "-DBB_STACK_SIZE=64"},
-    {"packet8:group=64", "packet8_lockstep.cl", 8, 0,
-     "-DBB_STACK_SIZE=128 -DBB_WIDTH=8 -DBB_RAYS=8 -DBB_BATCH=64"},
-    {"packet:rays=16,few=2,group=256", "packet_lockstep.cl", 4, 0,
-     "-DBB_STACK_SIZE=64 -DBB_WIDTH=2 -DBB_RAYS=16 -DBB_FEW=2 -DBB_BATCH=256"},
-    /* stacks that are too short, first of packets, then of rays */
-    {"packet8:stack=8,few=0", "packet8_lockstep.cl", 1, 0,
-     "-DBB_STACK_SIZE=8 -DBB_WIDTH=8 -DBB_RAYS=8 -DBB_FEW=0 -DBB_BATCH=64"},
-};
 
 static const char *const scenes[] = {"interior:n=1000", "soup:n=500", "sphere-mesh:n=12"};
 
@@ -92,101 +72,33 @@ static void release_layout(laid_out *l)
     bb_layout_maker_destroy(&l->maker);
 }
 
-/* ---- the reference ---- */
-
-enum { SHARED = 8, FILE_LIMIT = 1 << 20 };
-
-/* The sources of a reference: NAME.cl and what it includes; the kernel's own file is kernel.clh. */
-static void read_sources(const char *name, const bb_kernel *kernel, bb_source files[SHARED + 3])
-{
-    static const char *const shared[SHARED] = {
-        "lockstep.clh",        "lockstep_stack.clh",  "lockstep_leaf.clh", "lockstep_trace.clh",
-        "lockstep_kernel.clh", "lockstep_packet.clh", "stack_visit.clh",   "stack8_visit.clh"};
-    char path[512];
-    memset(files, 0, (SHARED + 3) * sizeof *files);
-    for (uint32_t i = 0; i <= SHARED; i++) {
-        char *text;
-        size_t size;
-        files[i].name = i == 0 ? name : shared[i - 1];
-        files[i].folder = files;
-        snprintf(path, sizeof path, BB_TEST_SOURCE_DIR "/tests/lockstep/%s", files[i].name);
-        check(bb_file_read(path, FILE_LIMIT, "source", &text, &size), path);
-        files[i].text = text;
-    }
-    files[SHARED + 1] = (bb_source){"kernel.clh", bb_source_find(kernel->source)->text, files};
-}
-
-static void run_reference(cl_kernel kernel, const bb_layout_data *layout, const bb_buffer *rays,
-                          uint32_t width, uint32_t prim_bytes, bb_issued sums[BB_ISSUE_KINDS])
-{
-    const uint32_t groups = bb_divide_up(RAYS, width), count = RAYS;
-    cl_uint(*of_group)[BB_ISSUE_KINDS][4] = calloc(groups, sizeof *of_group);
-    bb_buffer d_sums;
-    make_buffer(&d_sums, of_group, groups * sizeof *of_group);
-    check(bb_launch(device, kernel, groups, 1, BB_MEM(layout->buffers[0]),
-                    BB_MEM(layout->buffers[1]), BB_VALUE(layout->root), BB_VALUE(layout->ends),
-                    BB_VALUE(layout->scale), BB_MEM(*rays), BB_VALUE(count), BB_VALUE(prim_bytes),
-                    BB_VALUE(width), BB_MEM(d_sums)),
-          "lockstep");
-    check(bb_buffer_read(&d_sums, 0, groups * sizeof *of_group, of_group), "sums");
-    memset(sums, 0, BB_ISSUE_KINDS * sizeof *sums);
-    for (uint32_t g = 0; g < groups; g++)
-        for (uint32_t k = 0; k < BB_ISSUE_KINDS; k++) {
-            sums[k].count += of_group[g][k][0];
-            sums[k].lanes += of_group[g][k][1];
-            sums[k].sectors += of_group[g][k][2];
-            sums[k].lines += of_group[g][k][3];
-        }
-    bb_buffer_release(&d_sums);
-    free(of_group);
-}
-
 /* ---- the comparison ---- */
 
 static void expect_equal(const char *what, const bb_issued *replayed, const bb_issued *reference)
 {
-    static const char *const kinds[] = {"node",    "push", "primitives", "pop",
-                                        "restart", "box",  "begin",      "end"};
-    for (uint32_t k = 0; k < BB_ISSUE_KINDS; k++) {
-        const bb_issued *a = &replayed[k], *b = &reference[k];
-        if (a->count != b->count || a->lanes != b->lanes || a->sectors != b->sectors ||
-            a->lines != b->lines)
-            fail_msg("%s, %s (seed %llu): %llu steps, %llu lanes, %llu sectors, %llu lines; in "
-                     "lockstep %llu, %llu, %llu, %llu",
-                     what, kinds[k], (unsigned long long)seed, (unsigned long long)a->count,
-                     (unsigned long long)a->lanes, (unsigned long long)a->sectors,
-                     (unsigned long long)a->lines, (unsigned long long)b->count,
-                     (unsigned long long)b->lanes, (unsigned long long)b->sectors,
-                     (unsigned long long)b->lines);
-    }
+    const uint32_t k = bb_lockstep_differs(replayed, reference);
+    if (k == BB_ISSUE_KINDS)
+        return;
+    const bb_issued *a = &replayed[k], *b = &reference[k];
+    fail_msg("%s, %s (seed %llu): %llu steps, %llu lanes, %llu sectors, %llu lines; in lockstep "
+             "%llu, %llu, %llu, %llu",
+             what, bb_issue_names[k], (unsigned long long)seed, (unsigned long long)a->count,
+             (unsigned long long)a->lanes, (unsigned long long)a->sectors,
+             (unsigned long long)a->lines, (unsigned long long)b->count,
+             (unsigned long long)b->lanes, (unsigned long long)b->sectors,
+             (unsigned long long)b->lines);
 }
 
-static void compare(size_t which, const char *scene_name, const bb_query *query, const laid_out *l,
-                    const bb_ray *rays)
+static void compare(const bb_lockstep_case *which, const char *scene_name, const bb_query *query,
+                    const laid_out *l, const bb_ray *rays)
 {
-    const bb_layout_data *layout = &l->layout;
     bb_traverser_request request = l->request;
-    char defines[512], what[256];
-    request.query = query;
-    const bb_footing footing = bb_footing_of(&request, layout);
-    assert_int_equal(footing.ring, cases[which].ring);
-
-    bb_source files[SHARED + 3];
-    cl_program program;
-    cl_kernel reference;
-    read_sources(cases[which].source, request.kernel, files);
-    bb_intersector_defines(&bb_intersectors[0], defines, sizeof defines);
-    snprintf(defines + strlen(defines), sizeof defines - strlen(defines),
-             "%s -DBB_KINDS=%u -D%s -DBB_LANES=%u %s",
-             bb_device_divides_exactly(device) ? " -cl-fp32-correctly-rounded-divide-sqrt" : "",
-             layout->kinds, query->define, layout->lanes, cases[which].defines);
-    check(bb_program_build(device, &files[0], defines, &program), cases[which].source);
-    check(bb_kernel_get(program, "lockstep", &reference), cases[which].source);
-
+    char what[256];
     bb_steps steps;
-    bb_buffer d_rays;
-    check(bb_steps_record(device, &request, layout, rays, RAYS, RAYS, &steps), cases[which].kernel);
-    make_buffer(&d_rays, rays, RAYS * sizeof *rays);
+    request.query = query;
+    const bb_footing footing = bb_footing_of(&request, &l->layout);
+    assert_int_equal(footing.ring, which->ring);
+    check(bb_steps_record(device, &request, &l->layout, rays, RAYS, RAYS, &steps), which->kernel);
     for (uint32_t width = 32; width <= 64; width *= 2) {
         bb_issued sums[BB_ISSUE_KINDS];
         bb_traffic traffic;
@@ -197,20 +109,16 @@ static void compare(size_t which, const char *scene_name, const bb_query *query,
                                     .first_ways = 4,
                                     .second_bytes = 1 << 18,
                                     .second_ways = 16};
-        run_reference(reference, layout, &d_rays, width, footing.prim_bytes, sums);
+        check(bb_lockstep_run(device, which, &request, &l->layout, rays, RAYS, width, sums),
+              which->source);
         check(bb_machine_run(&machine, &footing, &steps, &traffic), "machine");
-        snprintf(what, sizeof what, "%s, %s, %s, width %u", cases[which].kernel, scene_name,
-                 query->name, width);
+        snprintf(what, sizeof what, "%s, %s, %s, width %u", which->kernel, scene_name, query->name,
+                 width);
         assert_int_equal(traffic.rays, RAYS);
         assert_true(sums[BB_STEP_NODE].count > 10 && sums[BB_STEP_PRIMS].count > 10);
         expect_equal(what, traffic.issued, sums);
     }
-    bb_buffer_release(&d_rays);
     bb_steps_release(&steps);
-    bb_kernel_release(reference);
-    bb_program_release(program);
-    for (uint32_t i = 0; i <= SHARED; i++)
-        free((char *)files[i].text);
 }
 
 static void replay_equals_lockstep(void **state)
@@ -225,9 +133,9 @@ static void replay_equals_lockstep(void **state)
         make_rays(scene, rays);
         check(bb_instance_create(device, "hploc", scene, 1, &instance), "create");
         check(bb_instance_build(&instance, scene, false, NULL), "build");
-        for (size_t c = 0; c < sizeof cases / sizeof cases[0]; c++) {
+        for (const bb_lockstep_case *c = bb_lockstep_cases; c->kernel != NULL; c++) {
             laid_out l;
-            lay_out(&l, cases[c].kernel, scene, &instance.tree, cases[c].leaf, false);
+            lay_out(&l, c->kernel, scene, &instance.tree, c->leaf, false);
             compare(c, scenes[s], &bb_query_closest, &l, rays);
             compare(c, scenes[s], &bb_query_any, &l, rays);
             release_layout(&l);
