@@ -6,7 +6,7 @@
 
 #define ALL "reproduce all --quick --charts no --out all"
 
-static const char *const papers[] = {"dynamic", "emc", "loose-octree", "olbvh", "volume"};
+static const char *const papers[] = {"dynamic", "emc", "loose-octree", "olbvh", "simt", "volume"};
 enum { PAPERS = sizeof papers / sizeof papers[0] };
 
 static uint32_t count(const char *text, const char *what)

@@ -50,7 +50,7 @@ static void figures_depend_on_nothing_else(void **state)
     snprintf(command, sizeof command, RUN "%s --out one", metrics);
     const outcome *o = run_with("POCL_MAX_PTHREAD_COUNT=1", command);
     assert_int_equal(o->exit_status, 0);
-    assert_non_null(strstr(o->err, "not simulated: bounds of kernel packet8, since no code"));
+    assert_non_null(strstr(o->err, "not simulated: bounds of kernel packet8: kernels/isa.tsv"));
     assert_non_null(strstr(o->err, "not simulated: the steps of kernel stack8i are not recorded"));
     snprintf(command, sizeof command, RUN "%s --quiet --out two", metrics);
     assert_int_equal(run_with("POCL_MAX_PTHREAD_COUNT=3", command)->exit_status, 0);
@@ -129,6 +129,10 @@ static void what_is_no_device_is_refused(void **state)
         {"\"sm_90\"", "\"sm_20\"", "must be sm_90, gfx1030 or gfx90a"},
         {"\"name\":\"x\"", "\"name\":\"\"", "'name' must be a text"},
         {"{\"name\"", "[\"name\"", "is no JSON object"},
+        {"\"memory_gb_s\":10}", "\"memory_gb_s\":10} and more", "is no JSON object"},
+        {"\"name\":\"x\"", "\"name\":\"x,width=64\"", "'name' may have lower-case letters"},
+        {"\"name\":\"x\"", "\"name\":\"h100\"", "a device that there is already"},
+        {"\"units\":2", "\"units\":4096", "'units' must be"},
     };
     char text[1024];
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {

@@ -208,6 +208,15 @@ static void searches_begin_together(void **state)
     assert_int_equal(place, 0);
 }
 
+static void looked_up_after_all_have_found(void **state)
+{
+    (void)state;
+    no_rays();
+    add_ray("ANPLANPL");
+    add_ray("ANNNPLANPL");
+    expect_order(BB_IF_ELSE, 0, "b2 A2 N2 P1 N1 N1 P1 L2 A2 N2 P2 L2 e2");
+}
+
 static void rays_wait_for_their_group(void **state)
 {
     (void)state;
@@ -351,7 +360,8 @@ static void sectors_of_a_step_are_distinct(void **state)
     no_rays();
     add_rays(32, "N0+++");
     bb_traffic shorter = run(&m, &ring), longer = run(&m, &footing);
-    assert_int_equal(longer.written - shorter.written, 8);
+    assert_int_equal(shorter.first_hits - longer.first_hits, 8);
+    assert_int_equal(shorter.written, longer.written); /* answers alone */
 }
 
 static void packets_share_their_entries(void **state)
@@ -392,14 +402,15 @@ static void packets_share_their_entries(void **state)
     expect_issued(&t, BB_STEP_POP, 2, 2 * (3 + 3), 2 * 2);
     assert_int_equal(t.issued[BB_STEP_POP].lanes, 40);
 
-    /* a ray on its own has a stack beside the packet's, which begins anew each time: two sectors of
-     * each stack are written, and two of answers */
+    /* a ray on its own has a stack beside the packet's, which begins anew each time */
     no_rays();
     add_ray("J1-1NB+1JN+J1-1JN+J1");
     add_rays(7, "J1-1NB+1-0");
     t = run(&m, &in_packets);
     assert_int_equal(t.issued[BB_STEP_PUSH].count, 3);
-    assert_int_equal(t.written, 2 + 2 + 2);
+    /* 8 sectors of the node three times, 2 of the packet's entry twice, 2 of the ray's second one */
+    assert_int_equal(t.first_hits, 3 * 8 + 2 * 2 + 2);
+    assert_int_equal(t.written, 2); /* answers alone: what is on a stack at the end is dead */
 }
 
 static void samples_read_eight_voxels(void **state)
@@ -648,6 +659,65 @@ static void packets_are_bounded_by_traffic_alone(void **state)
     assert_true(s.in_flight == simts[0].device.groups);
 }
 
+static bb_simt h100(void)
+{
+    bb_simt simts[BB_SIMT_MAX];
+    uint32_t count;
+    ASSERT_OK(bb_simts_parse((char *[]){"simt:device=h100"}, 1, simts, &count));
+    return simts[0];
+}
+
+/* Costs are those of the row that has most of a kernel's options, and no others. */
+static void costs_are_those_of_the_options(void **state)
+{
+    (void)state;
+    const bb_simt simt = h100();
+    no_rays();
+    add_rays(64, "N1+N2P3-P4");
+    const double octant = simulate_kernel(&simt, "stack8q:order=octant").issue_mrays_s;
+    assert_true(octant > 0);
+    assert_true(simulate_kernel(&simt, "stack8q:order=octant,stack=64").issue_mrays_s == octant);
+    assert_true(simulate_kernel(&simt, "stack8q:stack=64").issue_mrays_s ==
+                simulate_kernel(&simt, "stack8q").issue_mrays_s);
+    assert_true(simulate_kernel(&simt, "stack8q").issue_mrays_s != octant);
+    assert_true(simulate_kernel(&simt, "stack8q:order=octant,leaf=4").issue_mrays_s != octant);
+}
+
+/* Lanes without a ray are no steps of those that there are. */
+static void steps_are_those_of_the_group(void **state)
+{
+    (void)state;
+    const bb_simt simt = h100();
+    no_rays();
+    add_ray("NNP");
+    assert_true(simulate_kernel(&simt, "stack").steps == 3);
+    add_ray("NN");
+    assert_true(simulate_kernel(&simt, "stack:group=1").steps == 2.5);
+}
+
+/* Nobody's code is taken for that of spheres; work-groups that tear runs of a sample apart, or are
+ * larger than any GPU's, are refused. */
+static void what_is_not_known_has_no_bound(void **state)
+{
+    (void)state;
+    const bb_simt simt = h100();
+    const bb_layout_data spheres = {.lanes = 1, .kinds = BB_SPHERES};
+    bb_spec spec;
+    bb_traverser_request request = {
+        .spec = &spec, .intersector = &bb_intersectors[0], .query = &bb_query_closest};
+    bb_simulation s;
+    no_rays();
+    add_rays(64, "N1P3");
+    ASSERT_OK(bb_kernel_parse("stack", &spec, &request.kernel));
+    ASSERT_OK(bb_simulate(&simt, &request, &spheres, &made, &s));
+    assert_true(isnan(s.mrays_s) && isnan(s.issue_mrays_s) && s.l2_mrays_s > 0);
+    static const char *const torn[] = {"stack:group=33", "stack:group=65536", "stack:group=96"};
+    for (int i = 0; i < 3; i++) {
+        ASSERT_OK(bb_kernel_parse(torn[i], &spec, &request.kernel));
+        assert_int_equal(bb_simulate(&simt, &request, &spheres, &made, &s), BB_UNSUPPORTED);
+    }
+}
+
 static void bounds_are_those_of_the_device(void **state)
 {
     (void)state;
@@ -718,6 +788,7 @@ int main(void)
         cmocka_unit_test(packets_take_their_steps_together),
         cmocka_unit_test(samples_are_taken_together),
         cmocka_unit_test(searches_begin_together),
+        cmocka_unit_test(looked_up_after_all_have_found),
         cmocka_unit_test(rays_wait_for_their_group),
         cmocka_unit_test(efficiency_is_that_of_active_lanes),
         cmocka_unit_test(sectors_of_a_step_are_distinct),
@@ -728,6 +799,9 @@ int main(void)
         cmocka_unit_test(the_second_cache_begins_warm),
         cmocka_unit_test(the_line_used_longest_ago_gives_way),
         cmocka_unit_test(sets_share_the_lines),
+        cmocka_unit_test(costs_are_those_of_the_options),
+        cmocka_unit_test(steps_are_those_of_the_group),
+        cmocka_unit_test(what_is_not_known_has_no_bound),
         cmocka_unit_test(bounds_are_those_of_the_device),
         cmocka_unit_test(packets_are_bounded_by_traffic_alone),
     };

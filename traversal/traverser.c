@@ -233,6 +233,11 @@ static bb_status check_request(const bb_traverser_request *request, const bb_lay
         bb_prim_kind_names(query->kinds, kinds, sizeof kinds);
         return bb_fail(BB_UNSUPPORTED, "%s queries are for %s alone", query->name, kinds);
     }
+    const bool alone = kernel->control == BB_PACKETS && (layout->kinds & BB_TRIANGLES) == 0;
+    if (request->recording && alone)
+        return bb_fail(BB_UNSUPPORTED,
+                       "steps of packets are recorded on triangles alone, not by kernel %s here",
+                       kernel->name);
     if (request->recording && (!bb_kernel_records(kernel, query) || is_sorted(request)))
         return bb_fail(BB_UNSUPPORTED, "steps of kernel %s%s are not recorded for %s queries",
                        kernel->name, is_sorted(request) ? ":sort=yes" : "", query->name);

@@ -85,7 +85,7 @@ bb_status bb_tried_bounded(const bb_tried *kernels, bb_tried *list)
         bb_spec spec;
         const bb_kernel *kernel;
         BB_TRY(bb_kernel_parse(kernels->items[i], &spec, &kernel));
-        if (bb_simulates_bounds(kernel))
+        if (bb_simulates_bounds(kernel, BB_TRIANGLES))
             BB_TRY(bb_tried_add(list, kernels->items[i]));
     }
     return BB_OK;

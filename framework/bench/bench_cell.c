@@ -332,6 +332,14 @@ bb_status bb_trace_count(bb_trace_set *set, bb_traced_cell *c)
     return bb_bench_end(bench, step, "count tests", BB_OK);
 }
 
+/* Says once for each kernel why it is not simulated. */
+static void note_unsimulated(bb_bench *bench, bb_kernel_choice *choice, const char *why)
+{
+    if (!choice->unsimulated)
+        bb_progress_note(bench->progress, "not simulated: %s", why);
+    choice->unsimulated = true;
+}
+
 static bb_status simulate(bb_trace_set *set, bb_traced_cell *c, uint32_t layout)
 {
     bb_bench *bench = set->bench;
@@ -340,9 +348,17 @@ static bb_status simulate(bb_trace_set *set, bb_traced_cell *c, uint32_t layout)
     bb_trace_record *r = &c->record;
     bb_steps steps;
     BB_TRY(bb_bench_layout(bench, c->entrant, layout));
+    if (!bb_simulates_bounds(request.kernel, data->kinds)) {
+        char why[640];
+        snprintf(why, sizeof why,
+                 "bounds of kernel %s: kernels/isa.tsv has code for triangles, and none that has "
+                 "each ray of a packet on a lane",
+                 request.spec->text);
+        note_unsimulated(bench, &bench->kernels[c->kernel], why);
+    }
     enter(r, "simulate");
     bb_status status = bb_steps_record(bench->device, &request, data, set->rays->rays, c->count,
-                                       bb_simts_rays(bench->simts, bench->simt_count), &steps);
+                                       BB_SIMT_RAYS, &steps);
     bb_guard_leave();
     BB_TRY(status);
     for (uint32_t i = 0; i < bench->simt_count && status == BB_OK; i++) {
@@ -353,14 +369,6 @@ static bb_status simulate(bb_trace_set *set, bb_traced_cell *c, uint32_t layout)
     }
     bb_steps_release(&steps);
     return status;
-}
-
-/* Says once for each kernel why it is not simulated. */
-static void note_unsimulated(bb_bench *bench, bb_kernel_choice *choice, const char *why)
-{
-    if (!choice->unsimulated)
-        bb_progress_note(bench->progress, "not simulated: %s", why);
-    choice->unsimulated = true;
 }
 
 bb_status bb_trace_simulate(bb_trace_set *set, bb_traced_cell *c)
@@ -376,15 +384,6 @@ bb_status bb_trace_simulate(bb_trace_set *set, bb_traced_cell *c)
         snprintf(why, sizeof why, "the steps of kernel %s are not recorded", choice->spec.text);
         note_unsimulated(bench, choice, why);
         return BB_OK;
-    }
-    if (!bb_simulates_bounds(choice->kernel)) {
-        char why[640];
-        snprintf(
-            why, sizeof why,
-            "bounds of kernel %s, since no code that has each ray of a packet on a lane of a GPU "
-            "is known",
-            choice->spec.text);
-        note_unsimulated(bench, choice, why);
     }
     bb_step step = bb_bench_begin(bench);
     bb_status status = simulate(set, c, layout);

@@ -19,6 +19,7 @@ typedef struct wanted {
     bb_reproduce_request request;
     bb_bystanders watch; /* of its contests */
     bb_names scenes, metrics;
+    bb_names own_metrics; /* the present paper's, where none are asked for */
     bb_simt simts[BB_SIMT_MAX];
     const char *folder, *history, *time;
     uint32_t charts;
@@ -79,6 +80,22 @@ static bb_status reproduce(void *user, bb_device *device, bb_results *results,
 }
 
 /* ---- one paper ---- */
+
+/* Takes the paper, and the simulations that are asked for, or else its own. */
+static bb_status choose_paper(wanted *w, const bb_paper *paper)
+{
+    bb_reproduce_request *request = &w->request;
+    const bool own = w->metrics.count == 0 && paper->metrics != NULL;
+    request->paper = paper;
+    bb_names_free(&w->own_metrics);
+    if (own)
+        BB_TRY(bb_spec_list(paper->metrics, w->own_metrics.items, BB_NAMES_MAX,
+                            &w->own_metrics.count));
+    const bb_names *metrics = own ? &w->own_metrics : &w->metrics;
+    request->metrics = metrics->items;
+    request->simts = w->simts;
+    return bb_choose_simulations(metrics, w->simts, &request->simt_count);
+}
 
 static bb_status run_paper(const bb_cli *cli, wanted *w, const char *folder, int *exit_status)
 {
@@ -252,7 +269,7 @@ static bb_status run_all(const bb_cli *cli, wanted *w, int *exit_status)
                        "reproduce all: papers need different scenes: leave out --scene, "
                        "or give one paper");
     for (const bb_paper *const *paper = bb_papers; *paper != NULL; paper++) {
-        w->request.paper = *paper;
+        BB_TRY(choose_paper(w, *paper));
         BB_TRY(bb_reproduce_check(&w->request));
     }
     BB_TRY(bb_out_folder(w->folder));
@@ -262,8 +279,9 @@ static bb_status run_all(const bb_cli *cli, wanted *w, int *exit_status)
     for (const bb_paper *const *paper = bb_papers;
          *paper != NULL && status == BB_OK && !w->is_over && *exit_status != BB_EXIT_INTERRUPTED;
          paper++) {
-        w->request.paper = *paper;
-        status = add_paper(cli, w, own, page, exit_status);
+        status = choose_paper(w, *paper);
+        if (status == BB_OK)
+            status = add_paper(cli, w, own, page, exit_status);
     }
     if (status == BB_OK)
         status = write_pages(w, page);
@@ -290,8 +308,6 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
     bb_reproduce_request *request = &w->request;
     BB_TRY(bb_time_option(w->time, &w->ends_ms));
     BB_TRY(bb_choose_simulations(&w->metrics, w->simts, &request->simt_count));
-    request->metrics = w->metrics.items;
-    request->simts = w->simts;
     BB_TRY(bb_charts_decide(&w->charts));
     BB_TRY(bb_load_plugins(&w->device.plugins));
     if (cli->positional_count != 1)
@@ -301,7 +317,9 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
         say_over(w, true);
         return BB_OK;
     }
-    BB_TRY(bb_paper_find(cli->positional[0], &request->paper));
+    const bb_paper *paper;
+    BB_TRY(bb_paper_find(cli->positional[0], &paper));
+    BB_TRY(choose_paper(w, paper));
     if (w->scenes.count > 0) /* else each experiment has its own */
         BB_TRY(bb_choose_scenes(&w->scenes, bb_add_shipped_scenes));
     request->scenes = w->scenes.items;

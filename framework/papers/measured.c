@@ -104,8 +104,19 @@ static void add_simulated_build(const bb_findings *f, const bb_entry *build, uin
                             bb_get_named(build, BB_F_SIMT_BUILD_MS, f->simulations[i]));
 }
 
+/* By the first simulation. */
+enum { EFFICIENCIES = 3 };
+static const bb_field_id of_efficiencies[EFFICIENCIES] = {BB_F_SIMT_EFFICIENCY, BB_F_SIMT_NODES,
+                                                          BB_F_SIMT_PRIMS};
+static const bb_column efficiencies[EFFICIENCIES] = {SIMULATED("simt_efficiency"),
+                                                     SIMULATED("simt_node_efficiency"),
+                                                     SIMULATED("simt_prim_efficiency")};
+
 static void add_simulated_trace(const bb_findings *f, const bb_entry *trace, uint32_t row)
 {
+    for (uint32_t k = 0; k < EFFICIENCIES && f->simulation_count > 0; k++)
+        bb_table_set_number(f->table, row, &efficiencies[k],
+                            bb_get_named(trace, of_efficiencies[k], f->simulations[0]));
     for (uint32_t i = 0; i < f->simulation_count; i++)
         bb_table_set_number(f->table, row, &simulated_trace[i],
                             bb_get_number(trace, BB_F_TRACE_COUNT) / 1e3 /

@@ -52,6 +52,7 @@ typedef struct bb_paper {
      * of volumes, into tables that are there. *wrong: whether answers are. */
     bb_status (*measure)(const bb_reproduce_request *request, bb_findings *findings, bool *wrong);
     const char *builders; /* which that needs, by commas */
+    const char *metrics;  /* simulations, by commas, if none are asked for; NULL: none */
 } bb_paper;
 
 extern const bb_paper *const bb_papers[]; /* generated table; ends with NULL */

@@ -45,24 +45,58 @@ static const char *cell_of(const row *headings, const row *r, const char *name)
     return "";
 }
 
-/* Finds the row of Debian 12's clang for this program's kernel. */
+/* Returns whether the list `options`, by commas, has this one. */
+static bool has_option(const char *options, const char *option, size_t length)
+{
+    while (*options != '\0') {
+        const size_t own = strcspn(options, ",");
+        if (own == length && strncmp(options, option, length) == 0)
+            return true;
+        options += own + (options[own] == ',');
+    }
+    return false;
+}
+
+/* Returns how many options a row's program has, if they are all those of `program` of the same name
+ * or some of them; -1: it is of another. */
+static int fit(const char *of_row, const char *program)
+{
+    const size_t name = strcspn(program, ":"), own = strcspn(of_row, ":");
+    int count = 0;
+    if (name != own || strncmp(program, of_row, name) != 0)
+        return -1;
+    const char *options = program + name + (program[name] == ':');
+    for (const char *at = of_row + own + (of_row[own] == ':'); *at != '\0'; count++) {
+        const size_t length = strcspn(at, ",");
+        if (!has_option(options, at, length))
+            return -1;
+        at += length + (at[length] == ',');
+    }
+    return count;
+}
+
+/* Finds the row of Debian 12's clang for this kernel of the program that fits best: other options
+ * leave the code of its steps as it is. */
 static bool find_row(const char *program, const char *kernel, row *headings, row *found)
 {
     const char *text = bb_source_find("isa.tsv")->text;
     bool is_headings = true;
+    int best = -1;
     row r;
     while (read_row(&text, &r)) {
         if (is_headings) {
             *headings = r;
             is_headings = false;
-        } else if (strcmp(cell_of(headings, &r, "clang"), "15") == 0 &&
-                   strcmp(cell_of(headings, &r, "program"), program) == 0 &&
-                   strcmp(cell_of(headings, &r, "kernel"), kernel) == 0) {
+            continue;
+        }
+        const int own = fit(cell_of(headings, &r, "program"), program);
+        if (own > best && strcmp(cell_of(headings, &r, "clang"), "15") == 0 &&
+            strcmp(cell_of(headings, &r, "kernel"), kernel) == 0) {
             *found = r;
-            return true;
+            best = own;
         }
     }
-    return false;
+    return best >= 0;
 }
 
 static bool find_program(const char *program, const char *kernel, const char *code, bb_costs *costs)
@@ -88,9 +122,8 @@ static bool find_program(const char *program, const char *kernel, const char *co
 
 bb_status bb_costs_find(const char *program, const char *kernel, const char *code, bb_costs *costs)
 {
-    char name[CELL_MOST];
-    snprintf(name, sizeof name, "%.*s", (int)strcspn(program, ":"), program);
-    if (find_program(program, kernel, code, costs) || find_program(name, kernel, code, costs))
+    if (find_program(program, kernel, code, costs))
         return BB_OK;
-    return bb_fail(BB_UNSUPPORTED, "kernels/isa.tsv has no row of kernel %s for %s", name, code);
+    return bb_fail(BB_UNSUPPORTED, "kernels/isa.tsv has no row of kernel %.*s for %s",
+                   (int)strcspn(program, ":"), program, code);
 }

@@ -13,7 +13,8 @@ typedef struct bb_costs {
     uint32_t registers; /* of a ray */
 } bb_costs;
 
-/* Finds those of a kernel in a program, a specification: with its options, or else without. `code`:
+/* Finds those of a kernel in a program, a specification: in the row that has most of its options,
+ * and no others. `code`:
  * whose registers (bb_description). BB_UNSUPPORTED if the table has no row of it. */
 bb_status bb_costs_find(const char *program, const char *kernel, const char *code, bb_costs *costs);
 

@@ -25,17 +25,17 @@ static const struct {
     {                                                                                              \
 #name, offsetof(bb_description, name), least, most, whole                                  \
     }
-    NUMBER(units, 1, 4096, true),
+    NUMBER(units, 1, 1024, true),
     NUMBER(lanes, 1, 64, true),
     NUMBER(clock_ghz, 0.01, 100, false),
     NUMBER(issues_per_clock, 0.01, 64, false),
     NUMBER(groups, 1, 1024, true),
     NUMBER(registers, 1024, 1 << 24, true),
     NUMBER(register_step, 1, 256, true),
-    NUMBER(first_bytes, 1024, 1 << 28, true),
+    NUMBER(first_bytes, 1024, 1 << 24, true),
     NUMBER(first_ways, 1, 1024, true),
     NUMBER(first_bytes_per_clock, 1, 65536, false),
-    NUMBER(second_bytes, 1024, 1ll << 34, true),
+    NUMBER(second_bytes, 1024, 1 << 30, true),
     NUMBER(second_ways, 1, 1024, true),
     NUMBER(second_bytes_per_clock, 1, 1 << 20, false),
     NUMBER(memory_gb_s, 0.1, 1e6, false),
@@ -81,7 +81,7 @@ static bb_status read_members(const cJSON *document, const char *what, bb_descri
 
 static bb_status parse(const char *text, const char *what, bb_description *d)
 {
-    cJSON *document = cJSON_Parse(text);
+    cJSON *document = cJSON_ParseWithOpts(text, NULL, true);
     if (!cJSON_IsObject(document)) {
         cJSON_Delete(document);
         return bb_fail(BB_INVALID, "%s: is no JSON object", what);
@@ -89,6 +89,18 @@ static bb_status parse(const char *text, const char *what, bb_description *d)
     bb_status status = read_members(document, what, d);
     cJSON_Delete(document);
     return status;
+}
+
+/* Names go into those of results. */
+static bb_status check_name(const char *what, const char *name)
+{
+    static const char taken[] = "abcdefghijklmnopqrstuvwxyz0123456789-_.";
+    return name[strspn(name, taken)] == '\0'
+               ? BB_OK
+               : bb_fail(BB_INVALID,
+                         "%s: member 'name' may have lower-case letters, digits, '-', '_' and '.' "
+                         "alone",
+                         what);
 }
 
 /* The embedded description; NULL if there is none. */
@@ -145,6 +157,12 @@ bb_status bb_description_read(const char *text, bb_description *description)
     BB_TRY(bb_file_read(text, FILE_LIMIT, "device", &data, &size));
     bb_status status = parse(data, text, description);
     free(data);
+    if (status == BB_OK)
+        status = check_name(text, description->name);
+    if (status == BB_OK && find(description->name) != NULL)
+        return bb_fail(BB_INVALID,
+                       "%s: member 'name' is '%s', a device that there is already: give it another",
+                       text, description->name);
     return status;
 }
 

@@ -1,8 +1,10 @@
 #include "framework/simulate/lockstep.h"
 
 #include "framework/base/arithmetic.h"
+#include "framework/base/random.h"
 #include "framework/device/device_private.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -28,6 +30,30 @@ const char *const bb_issue_names[BB_ISSUE_KINDS] = {
     [BB_STEP_POP] = "pop",       [BB_STEP_RESTART] = "restart", [BB_STEP_BOX] = "box",
     [BB_STEP_SAMPLE] = "sample", [BB_STEP_LOOKUP] = "lookup",   [BB_STEP_AGAIN] = "again",
     [BB_ISSUE_BEGIN] = "begin",  [BB_ISSUE_END] = "end"};
+
+void bb_lockstep_rays(const bb_scene *scene, uint64_t seed, bb_ray *rays, uint32_t count)
+{
+    bb_random random = bb_random_make(seed, scene->prim_count);
+    const bb_box *box = &scene->bounds;
+    for (uint32_t i = 0; i < count; i++) {
+        rays[i] = (bb_ray){.tmax = i % 7 == 3 ? 0.5f : INFINITY};
+        for (int k = 0; k < 3; k++) {
+            const float size = box->hi[k] - box->lo[k];
+            float from = box->lo[k] + 0.3f * size;
+            float at = k == 0   ? box->lo[k] + size * (float)(i % 16) / 16
+                       : k == 1 ? box->lo[k] + size * (float)(i / 16) / 16
+                                : box->hi[k];
+            if (i >= count / 2) {
+                from = (float)bb_random_range(&random, box->lo[k], box->hi[k]);
+                at = (float)bb_random_range(&random, box->lo[k], box->hi[k]);
+            }
+            rays[i].o[k] = from;
+            rays[i].d[k] = at - from;
+        }
+        if (i == 41)
+            rays[i].o[1] = INFINITY; /* packets leave it out */
+    }
+}
 
 /* The sources of a reference: its own, those that it shares with others, and the kernel's own as
  * kernel.clh. */
@@ -60,66 +86,73 @@ static bb_status build(bb_device *device, const bb_lockstep_case *which,
     return bb_program_build(device, &files[0], defines, program);
 }
 
-/* Of all groups: steps, active lanes, sectors and lines of each kind. */
+/* Of a group: steps, active lanes, sectors and lines of each kind. */
 typedef cl_uint group_sums[BB_ISSUE_KINDS][4];
 
-typedef struct buffers {
+/* A reference at work. */
+typedef struct reference {
+    bb_device *device;
+    cl_program program;
+    cl_kernel kernel;
     bb_buffer rays, sums;
-} buffers;
+    group_sums *of_group; /* of the most groups */
+    uint32_t count;       /* of rays */
+} reference;
 
-static bb_status launch(bb_device *device, cl_kernel kernel, const bb_layout_data *layout,
-                        uint32_t prim_bytes, const bb_ray *rays, uint32_t count, uint32_t width,
-                        buffers *on_device, group_sums *of_group)
+static bb_status prepare(reference *r, const bb_lockstep_case *which,
+                         const bb_traverser_request *request, const bb_layout_data *layout,
+                         const bb_ray *rays)
 {
-    const uint32_t groups = bb_divide_up(count, width);
-    const size_t bytes = groups * sizeof *of_group;
-    BB_TRY(bb_buffer_reserve(device, NULL, count * sizeof *rays, "rays", &on_device->rays));
-    BB_TRY(bb_buffer_reserve(device, NULL, bytes, "sums", &on_device->sums));
-    BB_TRY(bb_buffer_write(&on_device->rays, 0, count * sizeof *rays, rays));
-    BB_TRY(bb_buffer_write(&on_device->sums, 0, bytes, of_group));
-    BB_TRY(bb_launch(device, kernel, groups, 1, BB_MEM(layout->buffers[0]),
-                     BB_MEM(layout->buffers[1]), BB_VALUE(layout->root), BB_VALUE(layout->ends),
-                     BB_VALUE(layout->scale), BB_MEM(on_device->rays), BB_VALUE(count),
-                     BB_VALUE(prim_bytes), BB_VALUE(width), BB_MEM(on_device->sums)));
-    return bb_buffer_read(&on_device->sums, 0, bytes, of_group);
+    const size_t bytes = r->count * sizeof *rays;
+    BB_TRY(build(r->device, which, request, layout, &r->program));
+    BB_TRY(bb_kernel_get(r->program, "lockstep", &r->kernel));
+    BB_TRY(bb_buffer_reserve(r->device, NULL, bytes, "rays", &r->rays));
+    BB_TRY(bb_buffer_write(&r->rays, 0, bytes, rays));
+    return bb_buffer_reserve(r->device, NULL, r->count * sizeof *r->of_group, "sums", &r->sums);
 }
 
-static void add_group(group_sums of_group, bb_issued sums[BB_ISSUE_KINDS])
+static bb_status run_width(reference *r, const bb_layout_data *layout, uint32_t prim_bytes,
+                           uint32_t width, bb_issued sums[BB_ISSUE_KINDS])
 {
-    for (uint32_t k = 0; k < BB_ISSUE_KINDS; k++) {
-        sums[k].count += of_group[k][0];
-        sums[k].lanes += of_group[k][1];
-        sums[k].sectors += of_group[k][2];
-        sums[k].lines += of_group[k][3];
-    }
+    const uint32_t groups = bb_divide_up(r->count, width);
+    const size_t bytes = groups * sizeof *r->of_group;
+    BB_TRY(bb_buffer_fill(&r->sums, bytes, 0));
+    BB_TRY(bb_launch(r->device, r->kernel, groups, 1, BB_MEM(layout->buffers[0]),
+                     BB_MEM(layout->buffers[1]), BB_VALUE(layout->root), BB_VALUE(layout->ends),
+                     BB_VALUE(layout->scale), BB_MEM(r->rays), BB_VALUE(r->count),
+                     BB_VALUE(prim_bytes), BB_VALUE(width), BB_MEM(r->sums)));
+    BB_TRY(bb_buffer_read(&r->sums, 0, bytes, r->of_group));
+    memset(sums, 0, BB_ISSUE_KINDS * sizeof *sums);
+    for (uint32_t g = 0; g < groups; g++)
+        for (uint32_t k = 0; k < BB_ISSUE_KINDS; k++) {
+            sums[k].count += r->of_group[g][k][0];
+            sums[k].lanes += r->of_group[g][k][1];
+            sums[k].sectors += r->of_group[g][k][2];
+            sums[k].lines += r->of_group[g][k][3];
+        }
+    return BB_OK;
 }
 
 bb_status bb_lockstep_run(bb_device *device, const bb_lockstep_case *which,
                           const bb_traverser_request *request, const bb_layout_data *layout,
-                          const bb_ray *rays, uint32_t count, uint32_t width,
-                          bb_issued sums[BB_ISSUE_KINDS])
+                          const bb_ray *rays, uint32_t count,
+                          bb_issued sums[BB_LOCKSTEP_WIDTHS][BB_ISSUE_KINDS])
 {
-    const uint32_t groups = bb_divide_up(count, width);
     const uint32_t prim_bytes = bb_footing_of(request, layout).prim_bytes;
-    cl_program program = NULL;
-    cl_kernel kernel = NULL;
-    buffers on_device = {.rays = {.mem = NULL}};
-    group_sums *of_group = calloc(groups, sizeof *of_group);
-    bb_status status = of_group != NULL ? build(device, which, request, layout, &program)
-                                        : bb_fail(BB_REFUSED, "no memory for sums of groups");
+    reference r = {.device = device, .count = count};
+    bb_status status = BB_OK;
+    r.of_group = calloc(count, sizeof *r.of_group);
+    if (r.of_group == NULL)
+        status = bb_fail(BB_REFUSED, "no memory for sums of groups");
     if (status == BB_OK)
-        status = bb_kernel_get(program, "lockstep", &kernel);
-    if (status == BB_OK)
-        status =
-            launch(device, kernel, layout, prim_bytes, rays, count, width, &on_device, of_group);
-    memset(sums, 0, BB_ISSUE_KINDS * sizeof *sums);
-    for (uint32_t g = 0; g < groups && status == BB_OK; g++)
-        add_group(of_group[g], sums);
-    bb_buffer_release(&on_device.rays);
-    bb_buffer_release(&on_device.sums);
-    bb_kernel_release(kernel);
-    bb_program_release(program);
-    free(of_group);
+        status = prepare(&r, which, request, layout, rays);
+    for (uint32_t w = 0; w < BB_LOCKSTEP_WIDTHS && status == BB_OK; w++)
+        status = run_width(&r, layout, prim_bytes, 32u << w, sums[w]);
+    bb_buffer_release(&r.rays);
+    bb_buffer_release(&r.sums);
+    bb_kernel_release(r.kernel);
+    bb_program_release(r.program);
+    free(r.of_group);
     return status;
 }
 

@@ -20,12 +20,18 @@ extern const bb_lockstep_case bb_lockstep_cases[];
 /* The names of what is issued, in the order of sums: "node", "push" ... */
 extern const char *const bb_issue_names[BB_ISSUE_KINDS];
 
-/* Runs rays[0..count) in groups of `width` for the request's query, in a layout that was made with
- * the case's leaves. */
+/* Makes rays for comparisons: of a camera beside the scene, then at random, some of them short, one
+ * from infinity. */
+void bb_lockstep_rays(const bb_scene *scene, uint64_t seed, bb_ray *rays, uint32_t count);
+
+enum { BB_LOCKSTEP_WIDTHS = 2 }; /* groups of 32, and of 64 */
+
+/* Runs rays[0..count) in groups of each width for the request's query, in a layout that was made
+ * with the case's leaves. */
 bb_status bb_lockstep_run(bb_device *device, const bb_lockstep_case *which,
                           const bb_traverser_request *request, const bb_layout_data *layout,
-                          const bb_ray *rays, uint32_t count, uint32_t width,
-                          bb_issued sums[BB_ISSUE_KINDS]);
+                          const bb_ray *rays, uint32_t count,
+                          bb_issued sums[BB_LOCKSTEP_WIDTHS][BB_ISSUE_KINDS]);
 
 /* Returns the first kind whose sums differ; BB_ISSUE_KINDS: none. */
 uint32_t bb_lockstep_differs(const bb_issued *replayed, const bb_issued *reference);

@@ -126,6 +126,7 @@ static void add_unit(const bb_traffic *unit, bb_traffic *sum)
     }
     sum->groups += unit->groups;
     sum->left += unit->left;
+    sum->ray_steps += unit->ray_steps;
     sum->first += unit->first;
     sum->first_hits += unit->first_hits;
 }
@@ -145,7 +146,9 @@ static void sum_up(run *r, bb_traffic *sum)
     }
     for (size_t i = 0; i < lines; i++) {
         uint64_t line;
-        sum->written += (unsigned)__builtin_popcount(bb_cache_flush(&r->second, i, &line));
+        const uint8_t written = bb_cache_flush(&r->second, i, &line);
+        if (!bb_unit_is_private(line))
+            sum->written += (unsigned)__builtin_popcount(written);
     }
 }
 

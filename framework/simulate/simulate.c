@@ -10,7 +10,7 @@
 
 /* Groups that each simulated unit runs in turn, at least: its first cache is then as full as in the
  * midst of a large set. A sample that is too small for this on all units runs on fewer. */
-enum { TURNS = 4 };
+enum { TURNS = 4, GROUP_MOST = 1024 };
 
 const bb_option bb_simt_options[] = {
     {"device", "h100", NULL, "a GPU on paper: a name of devices/, or a file that ends in .json"},
@@ -61,14 +61,6 @@ bb_status bb_simts_parse(char *const *metrics, uint32_t metric_count, bb_simt si
     return BB_OK;
 }
 
-uint32_t bb_simts_rays(const bb_simt *simts, uint32_t count)
-{
-    uint32_t widest = 0;
-    for (uint32_t i = 0; i < count; i++)
-        widest = bb_max_u32(widest, simts[i].width);
-    return widest * BB_SIMT_GROUPS;
-}
-
 const char *bb_binding_word(bb_binding binding)
 {
     static const char *const words[] = {"issue", "L1", "L2", "memory"};
@@ -83,16 +75,22 @@ bb_binding bb_binding_of(const char *word)
     return (bb_binding)binding;
 }
 
-static bb_machine machine_for(const bb_description *d, uint32_t width, uint32_t in_flight,
-                              uint32_t rays)
+/* Units that a sample fills. They have the room that the layout takes in the second cache, since all
+ * units share that, and of the rest of it their part. */
+static bb_machine machine_for(const bb_description *d, const bb_footing *footing, uint32_t width,
+                              uint32_t in_flight, uint32_t rays)
 {
-    const uint32_t units = bb_divide_up(rays, width) / (TURNS * in_flight);
+    const uint32_t filled = bb_divide_up(rays, width) / (TURNS * in_flight);
+    const uint32_t units = bb_max_u32(bb_min_u32(filled, (uint32_t)d->units), 1);
+    const double layout = (double)(footing->nodes_bytes + footing->prims_bytes);
+    const double shared = fmin(layout, d->second_bytes);
+    const double part = (d->second_bytes - shared) * units / d->units;
     return (bb_machine){.width = width,
-                        .units = bb_max_u32(bb_min_u32(units, (uint32_t)d->units), 1),
+                        .units = units,
                         .in_flight = in_flight,
                         .first_bytes = (uint64_t)d->first_bytes,
                         .first_ways = (uint32_t)d->first_ways,
-                        .second_bytes = (uint64_t)d->second_bytes,
+                        .second_bytes = (uint64_t)(shared + part),
                         .second_ways = (uint32_t)d->second_ways};
 }
 
@@ -115,13 +113,10 @@ static void find_figures(const bb_simt *simt, bb_simulation *s)
     const bb_issued nodes = sum_of(&t->issued[BB_STEP_NODE], &t->issued[BB_STEP_BOX]);
     const bb_issued *prims = &t->issued[BB_STEP_PRIMS];
     const bb_issued *pushes = &t->issued[BB_STEP_PUSH], *pops = &t->issued[BB_STEP_POP];
-    uint64_t steps = 0;
-    for (uint32_t k = 0; k < BB_STEP_KINDS; k++)
-        steps += t->issued[k].count;
     s->node_efficiency = bb_efficiency(&nodes, simt->width);
     s->prim_efficiency = bb_efficiency(prims, simt->width);
     s->sample_efficiency = bb_efficiency(&t->issued[BB_STEP_SAMPLE], simt->width);
-    s->steps = share(steps * simt->width, t->rays);
+    s->steps = share(t->ray_steps, t->rays);
     s->lines = share(nodes.lines + prims->lines, nodes.count + prims->count);
     s->stack_bytes = share((pushes->sectors + pops->sectors) * BB_SECTOR_BYTES, t->rays);
     s->l1_hits = share(t->first_hits, t->first);
@@ -174,21 +169,30 @@ static void find_least(bb_simulation *s)
     s->mrays_s = bounds[s->binds];
 }
 
-/* A packet is the work of one work-item, whose code says nothing of that of a ray on each lane. */
-bool bb_simulates_bounds(const bb_kernel *kernel)
+/* A packet is the work of one work-item, whose code says nothing of that of a ray on each lane. The
+ * table has the code of triangles. */
+bool bb_simulates_bounds(const bb_kernel *kernel, uint32_t kinds)
 {
-    return kernel->control != BB_CONTROL_UNKNOWN && kernel->control != BB_PACKETS;
+    return kinds == BB_TRIANGLES && kernel->control != BB_CONTROL_UNKNOWN &&
+           kernel->control != BB_PACKETS;
 }
 
 bb_status bb_simulate_code(const bb_simt *simt, const bb_simulated_code *code,
                            const bb_steps *steps, bb_simulation *simulation)
 {
     bb_costs costs = {.counted = false};
+    const uint32_t group = code->footing.group;
+    if (group > GROUP_MOST || (group % BB_STEPS_RUN != 0 && BB_STEPS_RUN % group != 0))
+        return bb_fail(BB_UNSUPPORTED,
+                       "work-groups of %u rays are not simulated: only those that divide %d, or "
+                       "multiples of it up to %d",
+                       group, BB_STEPS_RUN, GROUP_MOST);
     if (code->kernel != NULL)
         BB_TRY(bb_costs_find(code->program, code->kernel, simt->device.code, &costs));
     const uint32_t in_flight =
         bb_description_in_flight(&simt->device, costs.registers, simt->width);
-    const bb_machine machine = machine_for(&simt->device, simt->width, in_flight, steps->rays);
+    const bb_machine machine =
+        machine_for(&simt->device, &code->footing, simt->width, in_flight, steps->rays);
     *simulation = (bb_simulation){.in_flight = in_flight,
                                   .mrays_s = (double)NAN,
                                   .issue_mrays_s = (double)NAN,
@@ -214,7 +218,7 @@ bb_status bb_simulate(const bb_simt *simt, const bb_traverser_request *request,
     if (!bb_intersector_is_exact(request->intersector))
         return bb_fail(BB_UNSUPPORTED, "kernels/isa.tsv has the code of `exact` alone, not of %s",
                        request->intersector->name);
-    code.kernel = bb_simulates_bounds(request->kernel) ? "trace" : NULL;
+    code.kernel = bb_simulates_bounds(request->kernel, layout->kinds) ? "trace" : NULL;
     snprintf(code.program, sizeof code.program, "%s", request->spec->text);
     return bb_simulate_code(simt, &code, steps, simulation);
 }

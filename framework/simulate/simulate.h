@@ -14,8 +14,8 @@
 #define BB_SIMT "simt"
 
 enum {
-    BB_SIMT_GROUPS = 1 << 11, /* groups of rays of a sample, at least */
-    BB_SIMT_MAX = 4,          /* simulations at once */
+    BB_SIMT_RAYS = 1 << 16, /* of a sample: 2,048 groups of 32, or 1,024 of 64 */
+    BB_SIMT_MAX = 4,        /* simulations at once */
 };
 
 /* What `--metrics simt:device=h100,width=32` asks for. */
@@ -32,9 +32,6 @@ bool bb_is_simt(const char *text);
  * for more than BB_SIMT_MAX, or two that are the same. */
 bb_status bb_simts_parse(char *const *metrics, uint32_t metric_count, bb_simt simts[BB_SIMT_MAX],
                          uint32_t *count);
-/* Rays to record, so that a sample has enough groups for each. */
-uint32_t bb_simts_rays(const bb_simt *simts, uint32_t count);
-
 /* What bounds the speed. */
 typedef enum bb_binding {
     BB_BY_ISSUE,
@@ -58,9 +55,10 @@ const char *bb_binding_word(bb_binding binding);
 /* Returns what the word says; BB_BINDINGS for any other. */
 bb_binding bb_binding_of(const char *word);
 
-/* Returns whether the instructions and registers of a ray are known, so that there is a bound by
- * issue. If not, so many groups are in flight as a unit holds. */
-bool bb_simulates_bounds(const bb_kernel *kernel);
+/* Returns whether the instructions and registers of a ray are known, for a layout of these kinds of
+ * primitives, so that there is a bound by issue: those of the closest hit stand for any hit, too. If
+ * not, so many groups are in flight as a unit holds. */
+bool bb_simulates_bounds(const bb_kernel *kernel, uint32_t kinds);
 
 /* A kernel, and what its steps read. */
 typedef struct bb_simulated_code {
@@ -69,7 +67,8 @@ typedef struct bb_simulated_code {
     bb_footing footing;
 } bb_simulated_code;
 
-/* Simulates recorded steps of any kernel. Where the instructions of its steps are not known, what
+/* Simulates recorded steps of any kernel. BB_UNSUPPORTED for work-groups that would tear runs of a
+ * sample apart, or are larger than those of GPUs. Where the instructions of its steps are not known, what
  * depends on them is left out: `mrays_s`, `issue_mrays_s`, `efficiency`. BB_UNSUPPORTED if
  * kernels/isa.tsv has no row of the code. */
 bb_status bb_simulate_code(const bb_simt *simt, const bb_simulated_code *code,

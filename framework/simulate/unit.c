@@ -185,6 +185,7 @@ static void take_group(bb_unit *u, uint32_t slot)
     if (lanes == 0)
         return;
     bb_warp_start(&u->slots[slot], u->steps, u->footing, first, lanes);
+    u->issued[slot] = 0;
     u->next++;
     if (u->next % of_group == 0) /* the others of these work-groups are the other units' */
         u->next += (uint64_t)of_group * (m->units - 1);
@@ -204,9 +205,11 @@ static void take_turn(bb_unit *u)
             continue;
         if (bb_warp_next(&u->slots[s], &issue)) {
             issue_step(u, (uint64_t)u->number * slots + s, &issue);
+            u->issued[s] += issue.kind < BB_STEP_KINDS;
             return;
         }
         u->traffic.left += bb_warp_left(&u->slots[s]);
+        u->traffic.ray_steps += u->issued[s] * u->slots[s].lanes;
         u->running--;
         take_group(u, s);
     }
@@ -223,6 +226,8 @@ bb_status bb_unit_create(const bb_machine *machine, const bb_footing *footing,
     BB_TRY(bb_cache_create(machine->first_bytes, machine->first_ways, &unit->cache));
     BB_TRY(bb_host_alloc(NULL, machine->in_flight * sizeof *unit->slots, "groups in flight",
                          &unit->slots));
+    BB_TRY(bb_host_alloc(NULL, machine->in_flight * sizeof *unit->issued, "groups in flight",
+                         &unit->issued));
     BB_TRY(bb_host_alloc(NULL, machine->in_flight * sizeof *unit->busy, "groups in flight",
                          &unit->busy));
     for (uint32_t s = 0; s < machine->in_flight; s++)
@@ -234,6 +239,7 @@ void bb_unit_release(bb_unit *unit)
 {
     bb_cache_release(&unit->cache);
     bb_host_free(unit->slots);
+    bb_host_free(unit->issued);
     bb_host_free(unit->busy);
     free(unit->asked);
 }
@@ -255,7 +261,8 @@ void bb_unit_flush(bb_unit *unit)
     for (size_t i = 0; i < lines && make_room(unit, BB_LINE_SECTORS); i++) {
         uint64_t line;
         const uint8_t written = bb_cache_flush(&unit->cache, i, &line);
-        write_back(unit, written, line);
+        if (!bb_unit_is_private(line))
+            write_back(unit, written, line);
     }
     for (uint32_t round = 0; round < BB_WINDOW_ROUNDS; round++)
         unit->ends[round] = unit->count;

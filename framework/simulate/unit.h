@@ -43,7 +43,8 @@ typedef struct bb_issued {
 
 typedef struct bb_traffic {
     uint64_t rays, groups;
-    uint64_t left; /* recorded steps that were not taken */
+    uint64_t left;      /* recorded steps that were not taken */
+    uint64_t ray_steps; /* steps that each ray's group issued, summed over the rays */
     bb_issued issued[BB_ISSUE_KINDS];
     uint64_t first, first_hits;   /* sectors asked of the first caches; found there */
     uint64_t second, second_hits; /* likewise, of the second one: reads */
@@ -56,7 +57,8 @@ typedef struct bb_unit {
     const bb_footing *footing;
     const bb_steps *steps;
     bb_cache cache;
-    bb_warp *slots; /* [in_flight] */
+    bb_warp *slots;   /* [in_flight] */
+    uint64_t *issued; /* [in_flight]: steps of the group so far */
     bool *busy;
     uint32_t number, turn, running; /* of all units; slot; groups in flight */
     uint64_t next;                  /* group that it takes next (bb_footing_lanes()) */
@@ -74,7 +76,13 @@ void bb_unit_release(bb_unit *unit); /* a zeroed one is allowed */
 
 /* Runs the next window: in each round a step of one of its groups, by turns. */
 void bb_unit_run(bb_unit *unit);
-/* Notes what is still to be written, as a window of one round. */
+/* Returns whether the line is of stack entries, which nobody reads once their group has ended. */
+static inline bool bb_unit_is_private(uint64_t address)
+{
+    return address >> BB_BASE_SHIFT == BB_AT_PRIVATE;
+}
+
+/* Notes what is still to be written, but for stack entries, as a window of one round. */
 void bb_unit_flush(bb_unit *unit);
 
 #endif

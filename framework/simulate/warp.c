@@ -168,7 +168,7 @@ bool bb_warp_next(bb_warp *warp, bb_issue *issue)
                 return take(warp, issue, BB_STEP_SAMPLE, lanes);
             break;
         case BB_STEP_LOOKUP:
-            lanes = warp->at[BB_STEP_LOOKUP];
+            lanes = is_of(warp, BB_IF_ELSE) ? 0 : warp->at[BB_STEP_LOOKUP];
             warp->turn = after_samples(warp);
             if (lanes != 0) {
                 warp->turn = BB_STEP_SAMPLE;
@@ -223,6 +223,9 @@ bool bb_warp_next(bb_warp *warp, bb_issue *issue)
                 return true;
             break;
         case BB_STEP_AGAIN:
+            lanes = warp->at[BB_STEP_LOOKUP]; /* if-else: of what all have found */
+            if (lanes != 0)
+                return take(warp, issue, BB_STEP_LOOKUP, lanes);
             lanes = warp->at[BB_STEP_AGAIN];
             warp->turn = lanes != 0 ? BB_STEP_SAMPLE : TURN_END;
             if (lanes != 0)

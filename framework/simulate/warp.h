@@ -11,7 +11,8 @@
  *                  (by leaf: on to primitives, while a ray is at one)
  *         pops: while a ray pops or restarts: these pop, then those restart (if-else: once those
  *               pop that began the iteration with it)
- *   again: all rays that need another search begin it, with samples if they take some first
+ *   again: (if-else: all look up what they have found) all rays that need another search begin it,
+ *          with samples if they take some first
  *
  * A group may hold several packets, whose rays follow each other. Those that are together with
  * their packet take its steps, of which they are active in some; those that have left it are as

@@ -43,8 +43,8 @@ static bb_status simulate_set(const bb_animate *a, const bb_traverser_request *r
 {
     const bb_animate_request *r = a->request;
     bb_steps steps;
-    BB_TRY(bb_steps_record(a->device, request, layout, rays->rays, rays->count,
-                           bb_simts_rays(r->simts, r->simt_count), &steps));
+    BB_TRY(
+        bb_steps_record(a->device, request, layout, rays->rays, rays->count, BB_SIMT_RAYS, &steps));
     bb_status status = BB_OK;
     for (uint32_t i = 0; i < r->simt_count && status == BB_OK; i++)
         status = bb_simulate(&r->simts[i], request, layout, &steps, &simulations[i]);
