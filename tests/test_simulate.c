@@ -408,7 +408,7 @@ static void packets_share_their_entries(void **state)
     add_rays(7, "J1-1NB+1-0");
     t = run(&m, &in_packets);
     assert_int_equal(t.issued[BB_STEP_PUSH].count, 3);
-    /* 8 sectors of the node three times, 2 of the packet's entry twice, 2 of the ray's second one */
+    /* 8 sectors of the node thrice, 2 of the packet's entry twice, 2 of the ray's second one */
     assert_int_equal(t.first_hits, 3 * 8 + 2 * 2 + 2);
     assert_int_equal(t.written, 2); /* answers alone: what is on a stack at the end is dead */
 }

@@ -37,7 +37,8 @@ typedef struct bb_kernel_choice {
     /* for each format of triangles, the index in bb_bench.residency.layouts of what it reads */
     uint32_t layouts[BB_FORMAT_COUNT];
     uint32_t simulated[BB_FORMAT_COUNT]; /* likewise, of the tree in preorder: for simulations */
-    bool noted, capped, unsimulated;     /* notes that the user has been given */
+    bool noted, capped;                  /* notes that the user has been given */
+    char unsimulated[128];               /* likewise, the beginning of the last; "": none */
     bool native_only; /* not asked for; only for trees whose shape no requested kernel keeps */
 } bb_kernel_choice;
 

@@ -151,9 +151,9 @@ static bb_status list_metrics(bb_list *list)
         if (options[count].name != NULL && strcmp(options[count].name, "device") == 0)
             options[count].values = devices;
     } while (options[count++].name != NULL);
-    return bb_list_add_method(list, BB_SIMT,
-                              "each trace, simulated on a GPU on paper: `run --metrics` does it",
-                              NULL, options, bib_of("metric_", BB_SIMT).text);
+    return bb_list_add_method(
+        list, BB_SIMT, "each trace and each build, simulated on a GPU on paper: `run --metrics`",
+        NULL, options, bib_of("metric_", BB_SIMT).text);
 }
 
 static bb_status list_papers(bb_list *list)

@@ -134,8 +134,10 @@ static bb_status identify(const bb_cli *cli, const wanted *w, uint64_t *own)
     bb_identity *identity = bb_identity_begin();
     bb_identity_add_choice(identity, cli, &w->device);
     bb_identity_add(identity, asked, sizeof asked);
-    for (size_t i = 0; i < w->metrics.count; i++)
+    for (size_t i = 0; i < w->metrics.count; i++) {
         bb_identity_add_text(identity, w->metrics.items[i]);
+        bb_identity_add(identity, &w->simts[i].device, sizeof w->simts[i].device);
+    }
     bb_identity_add_text(identity, device->name);
     bb_identity_add_text(identity, device->driver);
     bb_device_close(device);

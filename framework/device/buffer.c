@@ -224,22 +224,28 @@ static bb_status copy_back(const bb_buffer *buffer, void *pointer)
     return status;
 }
 
+/* On processors, but not in builds that are tallied as those of GPUs. */
+static bool maps(const bb_device *device)
+{
+    return device->is_cpu && device->tally == NULL;
+}
+
 bb_status bb_buffer_map(const bb_buffer *buffer, bool write, void **pointer)
 {
     cl_int error;
-    if (!buffer->device->is_cpu)
+    if (!maps(buffer->device))
         return copy_to_host(buffer, write, pointer);
     buffer->device->waits++;
     *pointer = clEnqueueMapBuffer(buffer->device->queue, buffer->mem, CL_TRUE,
                                   write ? CL_MAP_READ | CL_MAP_WRITE : CL_MAP_READ, 0,
                                   buffer->bytes, 0, NULL, NULL, &error);
     BB_CL_TRY(error, "mapping %zu bytes of the device", buffer->bytes);
-    return tally(buffer, write ? 2 * buffer->bytes : buffer->bytes);
+    return BB_OK;
 }
 
 bb_status bb_buffer_unmap(const bb_buffer *buffer, void *pointer)
 {
-    if (!buffer->device->is_cpu)
+    if (!maps(buffer->device))
         return copy_back(buffer, pointer);
     BB_CL_TRY(clEnqueueUnmapMemObject(buffer->device->queue, buffer->mem, pointer, 0, NULL, NULL),
               "unmapping %zu bytes of the device", buffer->bytes);

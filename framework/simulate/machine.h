@@ -14,8 +14,9 @@
 
 #include "framework/simulate/unit.h"
 
-/* Runs all rays, on all cores. Answers that are still in the caches at the end go to memory;
- * stack entries do not, since the next groups would write over them. BB_REFUSED: there is no memory for it. */
+/* Runs all rays, on all cores. Answers that are still in the caches at the end go to memory; stack
+ * entries do not, since the next groups would write over them. BB_REFUSED: there is no memory for
+ * it. */
 bb_status bb_machine_run(const bb_machine *machine, const bb_footing *footing,
                          const bb_steps *steps, bb_traffic *traffic);
 

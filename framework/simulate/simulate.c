@@ -75,8 +75,8 @@ bb_binding bb_binding_of(const char *word)
     return (bb_binding)binding;
 }
 
-/* Units that a sample fills. They have the room that the layout takes in the second cache, since all
- * units share that, and of the rest of it their part. */
+/* Units that a sample fills. They have the room that the layout takes in the second cache, since
+ * all units share that, and of the rest of it their part. */
 static bb_machine machine_for(const bb_description *d, const bb_footing *footing, uint32_t width,
                               uint32_t in_flight, uint32_t rays)
 {

@@ -56,8 +56,8 @@ const char *bb_binding_word(bb_binding binding);
 bb_binding bb_binding_of(const char *word);
 
 /* Returns whether the instructions and registers of a ray are known, for a layout of these kinds of
- * primitives, so that there is a bound by issue: those of the closest hit stand for any hit, too. If
- * not, so many groups are in flight as a unit holds. */
+ * primitives, so that there is a bound by issue: those of the closest hit stand for any hit, too.
+ * If not, so many groups are in flight as a unit holds. */
 bool bb_simulates_bounds(const bb_kernel *kernel, uint32_t kinds);
 
 /* A kernel, and what its steps read. */
@@ -67,10 +67,10 @@ typedef struct bb_simulated_code {
     bb_footing footing;
 } bb_simulated_code;
 
-/* Simulates recorded steps of any kernel. BB_UNSUPPORTED for work-groups that would tear runs of a
- * sample apart, or are larger than those of GPUs. Where the instructions of its steps are not known, what
+/* Simulates recorded steps of any kernel. Where the instructions of its steps are not known, what
  * depends on them is left out: `mrays_s`, `issue_mrays_s`, `efficiency`. BB_UNSUPPORTED if
- * kernels/isa.tsv has no row of the code. */
+ * kernels/isa.tsv has no row of the code, and for work-groups that would tear runs of a sample
+ * apart or are larger than those of GPUs. */
 bb_status bb_simulate_code(const bb_simt *simt, const bb_simulated_code *code,
                            const bb_steps *steps, bb_simulation *simulation);
 

@@ -97,10 +97,7 @@ bb_status bb_animate_simulate(bb_animate *a, bb_animate_runner *runner, uint32_t
     for (uint32_t k = 0; k < a->request->kernel_count; k++) {
         if (method->unsimulated[k][0] != '\0')
             continue;
-        const bb_status status = simulate_kernel(a, runner, index, k);
-        if (status != BB_OK && status != BB_UNSUPPORTED && status != BB_REFUSED)
-            return status;
-        if (status != BB_OK)
+        if (simulate_kernel(a, runner, index, k) != BB_OK)
             snprintf(method->unsimulated[k], sizeof method->unsimulated[k], "%s", bb_message());
     }
     return BB_OK;
