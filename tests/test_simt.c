@@ -175,6 +175,29 @@ static void other_intersectors_are_left_out(void **state)
     cJSON_Delete(results);
 }
 
+/* A build that fails in the form for GPUs is not simulated; what was measured stays as it is. */
+static void failures_are_the_simulations_alone(void **state)
+{
+    (void)state;
+    static const char command[] =
+        "run --scene soup:n=300 --builder lbvh,lbvh+relay:form=cpu --kernel stack --rays random "
+        "--max-rays 500 --repeats 1 --no-pictures --charts no --metrics simt --form cpu "
+        "--plugin " BB_TEST_PLUGIN_DIR "/relay.so --out cpu";
+    const outcome *o = run(command);
+    assert_int_equal(o->exit_status, 0);
+    assert_non_null(strstr(o->err, "build not simulated in its form for GPUs: relay: has no form"));
+    cJSON *results = read_results("cpu/results.json");
+    const cJSON *trace;
+    uint32_t count = 0;
+    cJSON_ArrayForEach(trace, traces_of(results))
+    {
+        assert_string_equal(text_of(trace, "status"), "ok");
+        count += cJSON_GetArraySize(cJSON_GetObjectItem(trace, "simt_mrays_s")) == 1;
+    }
+    assert_int_equal(count, 2);
+    cJSON_Delete(results);
+}
+
 /* What is made on the host has no figures, rather than zeros. */
 static void builds_on_the_host_are_left_out(void **state)
 {
@@ -183,8 +206,8 @@ static void builds_on_the_host_are_left_out(void **state)
                            "--rays random --max-rays 500 --repeats 1 --no-pictures --charts no "
                            "--metrics simt --out host");
     assert_int_equal(o->exit_status, 0);
-    assert_non_null(strstr(o->err, "build not simulated: sah builds on the host"));
-    assert_non_null(strstr(o->err, "build not simulated: lbvh+rotate builds on the host"));
+    assert_non_null(strstr(o->err, "build not simulated in its form for GPUs: sah builds on the host"));
+    assert_non_null(strstr(o->err, "build not simulated in its form for GPUs: lbvh+rotate builds on the host"));
     cJSON *results = read_results("host/results.json");
     const cJSON *build;
     cJSON_ArrayForEach(build, cJSON_GetObjectItem(results, "builds"))
@@ -225,6 +248,7 @@ int main(void)
         cmocka_unit_test(exact_figures_are_compared),
         cmocka_unit_test(what_is_no_device_is_refused),
         cmocka_unit_test(other_intersectors_are_left_out),
+        cmocka_unit_test(failures_are_the_simulations_alone),
         cmocka_unit_test(builds_on_the_host_are_left_out),
         cmocka_unit_test(divergence_is_drawn),
     };

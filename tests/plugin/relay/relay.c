@@ -1,11 +1,16 @@
 /* relay: an optimiser on the device that leaves the tree as it is. For the tests of what stages
- * hand over to each other.
+ * hand over to each other, and of builds that are simulated.
  */
 #include "framework/builder/builder.h"
 
 #include <string.h>
 
 BB_DEVICE_SOURCE(relay);
+
+static const bb_option options[] = {
+    {"form", "any", "any|cpu", "cpu: it cannot be made in the form for GPUs"},
+    {.name = NULL},
+};
 
 enum { GROUP_SIZE = 64 };
 
@@ -28,6 +33,8 @@ static void destroy(void *opaque)
 static bb_status create(const bb_builder_context *context, void **out)
 {
     relay *self = NULL;
+    if (context->device->form == BB_FORM_GPU && bb_spec_is(context->spec, options, "form", "cpu"))
+        return bb_fail(BB_FAILED, "relay: has no form for GPUs");
     BB_TRY(bb_host_alloc(context->account, sizeof *self, "relay: object", &self));
     memset(self, 0, sizeof *self);
     *out = self;
@@ -62,6 +69,7 @@ const bb_builder bb_builder_relay = {
     .inputs = BB_INPUT_TREE,
     .place = BB_ON_DEVICE,
     .deterministic = true,
+    .options = options,
     .create = create,
     .build = build,
     .destroy = destroy,
