@@ -70,7 +70,7 @@ static const bb_table_view views[] = {
      .with = BB_SET(BB_QUESTION) | BB_SET(BB_MAKER) | BB_SET(BB_FRAME),
      .rows = BB_SET(BB_FRAME) | BB_SET(BB_BUILDER) | BB_SET(BB_INTERSECTOR),
      .each = BB_SET(BB_MAKER),
-     .columns = {{{"simt_mrays_s"}, "bound, M/s", false},
+     .columns = {{{"simt_mrays_s"}, "bound", false},
                  {{"simt_binds"}, "by", false},
                  {{"simt_efficiency"}, "SIMT efficiency", false},
                  {{"simt_steps_per_ray"}, "steps", false},

@@ -59,7 +59,7 @@ static const bb_table_view views[] = {
      .rows = BB_SET(BB_FRAME) | BB_SET(BB_BUILDER) | BB_SET(BB_INTERSECTOR),
      .across = BB_SET(BB_QUESTION),
      .each = BB_SET(BB_MAKER),
-     .columns = {{{"simt_mrays_s"}, "bound, M/s", false},
+     .columns = {{{"simt_mrays_s"}, "bound", false},
                  {{"simt_binds"}, "by", false},
                  {{"simt_efficiency"}, "SIMT efficiency", false},
                  {{"simt_memory_bytes"}, "memory B", false},
