@@ -25,7 +25,7 @@
             {{"simt_ratio"}, NULL, false},                                                         \
             {{"bytes"}, NULL, false},                                                              \
             {{"simt_image_ms"}, NULL, false},                                                      \
-            {{"simt_mrays_s"}, "bound", false},                                               \
+            {{"simt_mrays_s"}, "bound", false},                                                    \
             {{"simt_binds"}, "by", false},                                                         \
             {{"simt_efficiency"}, "SIMT efficiency", false},                                       \
             {{"reason"}, NULL, false}                                                              \
