@@ -18,6 +18,24 @@ static inline double number_in(const cJSON *row, const char *name)
     return item->valuedouble;
 }
 
+#define H100 "simt:device=h100,width=32"
+
+/* What a command that must succeed prints as JSON; the caller owns it. */
+static inline cJSON *json_of(const char *before, const char *arguments)
+{
+    const outcome *o = run_with(before, arguments);
+    if (o->exit_status != 0)
+        fail_msg("exit %d: %s", o->exit_status, o->err);
+    cJSON *json = cJSON_Parse(o->out);
+    assert_non_null(json);
+    return json;
+}
+
+static inline const cJSON *rows_of(const cJSON *json)
+{
+    return cJSON_GetObjectItemCaseSensitive(json, "rows");
+}
+
 /* Whether it has figures of a simulation. */
 static inline bool is_simulated(const cJSON *row)
 {

@@ -2,7 +2,7 @@
 #ifndef BB_TEST_STEPS_FIXTURE_H
 #define BB_TEST_STEPS_FIXTURE_H
 
-#include "framework/simulate/steps_launch.h"
+#include "framework/simulate/steps.h"
 #include "tests/fixture.h"
 
 /* Of each kind, the steps of one item. */

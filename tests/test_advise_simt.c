@@ -7,22 +7,6 @@
 #define ADVISE                                                                                     \
     "advise " SCENE "--quiet --count 1000 --builder lbvh,sah,hploc --kernel "                      \
     "stack,stackless,stack8i,stack8q:leaf=8 "
-#define H100 "simt:device=h100,width=32"
-
-static cJSON *advice(const char *before, const char *arguments)
-{
-    const outcome *o = run_with(before, arguments);
-    if (o->exit_status != 0)
-        fail_msg("exit %d: %s", o->exit_status, o->err);
-    cJSON *json = cJSON_Parse(o->out);
-    assert_non_null(json);
-    return json;
-}
-
-static const cJSON *rows_of(const cJSON *json)
-{
-    return cJSON_GetObjectItemCaseSensitive(json, "rows");
-}
 
 /* "stack, exact" becomes "stack". */
 static void kernel_of(const cJSON *row, char *kernel, size_t capacity)
@@ -40,8 +24,8 @@ static void bounds_are_those_of_run(void **state)
     const cJSON *row;
     uint32_t count = 0;
     char kernel[256];
-    cJSON *json = advice("", ADVISE "--rays primary --exhaustive --json --metrics "
-                                    "simt,simt:device=radeon780m,width=64,cache=0.5");
+    cJSON *json = json_of("", ADVISE "--rays primary --exhaustive --json --metrics "
+                                     "simt,simt:device=radeon780m,width=64,cache=0.5");
     expect(0,
            "run " SCENE "--quiet --builder lbvh,sah,hploc --kernel stack,stackless,stack8q:leaf=8 "
            "--rays primary --repeats 1 --no-pictures --charts no --out ran "
@@ -130,7 +114,7 @@ static void the_least_depends_on_nothing_else(void **state)
     (void)state;
     static char one[1 << 17], two[1 << 17];
     static const char arguments[] = ADVISE "--rays primary,ao --json --metrics simt";
-    cJSON *json = advice("POCL_MAX_PTHREAD_COUNT=1", arguments);
+    cJSON *json = json_of("POCL_MAX_PTHREAD_COUNT=1", arguments);
     const cJSON *row;
     uint32_t scouts = 0;
     simulated_text(json, one, sizeof one);
@@ -148,7 +132,7 @@ static void the_least_depends_on_nothing_else(void **state)
     }
     assert_int_equal(scouts, 3 + 3);
     cJSON_Delete(json);
-    json = advice("POCL_MAX_PTHREAD_COUNT=3", arguments);
+    json = json_of("POCL_MAX_PTHREAD_COUNT=3", arguments);
     simulated_text(json, two, sizeof two);
     assert_string_equal(one, two);
     cJSON_Delete(json);
@@ -195,10 +179,10 @@ static void what_is_measured_stays_as_it_is(void **state)
     static char one[1 << 17], two[1 << 17];
 #define ONE                                                                                        \
     "advise " SCENE "--quiet --count 1000 --builder lbvh --kernel stack --rays primary --json "
-    cJSON *json = advice("", ONE);
+    cJSON *json = json_of("", ONE);
     const double without = measured_text(json, one, sizeof one);
     cJSON_Delete(json);
-    json = advice("", ONE "--metrics simt,simt:cache=2,simt:width=64,simt:device=rtx4090");
+    json = json_of("", ONE "--metrics simt,simt:cache=2,simt:width=64,simt:device=rtx4090");
     const double with = measured_text(json, two, sizeof two);
     assert_string_equal(one, two);
     assert_true(with > without);

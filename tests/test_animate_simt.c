@@ -5,22 +5,6 @@
 #define SCENE "--scene twist:n=2000,frames=5 "
 #define ANIMATE                                                                                    \
     "animate " SCENE SIZES "--builder lbvh,lbvh+refit --kernel stack8,stack8i,stack --json "
-#define H100 "simt:device=h100,width=32"
-
-static cJSON *animation(const char *before, const char *arguments)
-{
-    const outcome *o = run_with(before, arguments);
-    if (o->exit_status != 0)
-        fail_msg("exit %d: %s", o->exit_status, o->err);
-    cJSON *json = cJSON_Parse(o->out);
-    assert_non_null(json);
-    return json;
-}
-
-static const cJSON *rows_of(const cJSON *json)
-{
-    return cJSON_GetObjectItemCaseSensitive(json, "rows");
-}
 
 static const cJSON *simulated(const cJSON *json, const char *maker, const char *frame,
                               const char *builder, const char *kernel)
@@ -44,8 +28,8 @@ static void the_first_frame_is_that_of_run(void **state)
     (void)state;
     static const char *const kernels[] = {"stack8", "stack"};
     static const char *const makers[] = {H100, "simt:device=rtx4090,width=64"};
-    cJSON *json = animation("POCL_MAX_PTHREAD_COUNT=1",
-                            ANIMATE "--metrics simt,simt:device=rtx4090,width=64");
+    cJSON *json =
+        json_of("POCL_MAX_PTHREAD_COUNT=1", ANIMATE "--metrics simt,simt:device=rtx4090,width=64");
     expect(0,
            "run " SCENE SIZES "--builder lbvh --kernel stack8,stack --no-pictures --charts no "
            "--out ran --metrics simt,simt:device=rtx4090,width=64",
@@ -63,9 +47,9 @@ static void the_first_frame_is_that_of_run(void **state)
 static void the_last_frame_is_that_of_its_tree(void **state)
 {
     (void)state;
-    cJSON *all = animation("", ANIMATE "--metrics simt");
-    cJSON *end = animation("", "animate " SCENE SIZES "--builder lbvh --kernel stack8,stack --json "
-                               "--frames 3..4 --metrics simt");
+    cJSON *all = json_of("", ANIMATE "--metrics simt");
+    cJSON *end = json_of("", "animate " SCENE SIZES "--builder lbvh --kernel stack8,stack --json "
+                             "--frames 3..4 --metrics simt");
     has_the_same_figures(simulated(all, H100, "4", "lbvh", "stack8"),
                          simulated(end, H100, "4", "lbvh", "stack8"));
     has_the_same_figures(simulated(all, H100, "0", "lbvh+refit", "stack"),
@@ -80,7 +64,7 @@ static void the_last_frame_is_that_of_its_tree(void **state)
 static void only_what_was_simulated_is(void **state)
 {
     (void)state;
-    cJSON *json = animation("", ANIMATE "--metrics simt");
+    cJSON *json = json_of("", ANIMATE "--metrics simt");
     const cJSON *row;
     uint32_t count = 0, left_out = 0;
     cJSON_ArrayForEach(row, rows_of(json))

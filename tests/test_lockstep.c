@@ -6,6 +6,7 @@
 #include "framework/builder/instance.h"
 #include "framework/judge/queries.h"
 #include "framework/simulate/lockstep.h"
+#include "framework/simulate/trace_steps.h"
 #include "tests/device_fixture.h"
 #include "tests/tree_fixture.h"
 
@@ -76,7 +77,7 @@ static void compare(const bb_lockstep_case *which, const char *scene_name, const
     request.query = query;
     const bb_footing footing = bb_footing_of(&request, &l->layout);
     assert_int_equal(footing.ring, which->ring);
-    check(bb_steps_record(device, &request, &l->layout, rays, RAYS, RAYS, &steps), which->kernel);
+    check(bb_trace_steps(device, &request, &l->layout, rays, RAYS, RAYS, &steps), which->kernel);
     bb_issued sums[BB_LOCKSTEP_WIDTHS][BB_ISSUE_KINDS];
     check(bb_lockstep_run(device, which, &request, &l->layout, rays, RAYS, sums), which->source);
     for (uint32_t w = 0; w < BB_LOCKSTEP_WIDTHS; w++) {
@@ -137,7 +138,7 @@ static void record_on(const bb_scene *scene, bb_tree *tree, const char *kernel, 
     laid_out l;
     lay_out(&l, kernel, scene, tree, 1, preorder);
     assert_int_equal(strstr(l.layout.name, "preorder") != NULL, preorder);
-    check(bb_steps_record(device, &l.request, &l.layout, rays, RAYS, most, steps), kernel);
+    check(bb_trace_steps(device, &l.request, &l.layout, rays, RAYS, most, steps), kernel);
     release_layout(&l);
 }
 
@@ -226,12 +227,12 @@ static void samples_are_runs_of_the_set(void **state)
     }
     make_random_tree(scene, 2, 1, &random, &tree);
     lay_out(&l, "stack", scene, &tree, 1, true);
-    check(bb_steps_record(device, &l.request, &l.layout, rays, COUNT, COUNT, &all), "all");
+    check(bb_trace_steps(device, &l.request, &l.layout, rays, COUNT, COUNT, &all), "all");
     assert_int_equal(all.rays, COUNT);
     for (uint32_t runs = RUNS / 16; runs <= RUNS; runs *= 2) {
         const uint32_t taken = runs / PART;
-        check(bb_steps_record(device, &l.request, &l.layout, rays, runs * BB_STEPS_RUN + 5,
-                              taken * BB_STEPS_RUN, &some),
+        check(bb_trace_steps(device, &l.request, &l.layout, rays, runs * BB_STEPS_RUN + 5,
+                             taken * BB_STEPS_RUN, &some),
               "some");
         assert_int_equal(some.rays, taken * BB_STEPS_RUN);
         uint32_t long_ones = 0, run = 0;
@@ -272,7 +273,7 @@ static void other_kernels_are_refused(void **state)
         check(bb_instance_create(device, "lbvh", scene, 1, &instance), "create");
         check(bb_instance_build(&instance, scene, false, NULL), "build");
         lay_out(&l, refused[k].kernel, scene, &instance.tree, 1, false);
-        assert_int_equal(bb_steps_record(device, &l.request, &l.layout, rays, RAYS, RAYS, &steps),
+        assert_int_equal(bb_trace_steps(device, &l.request, &l.layout, rays, RAYS, RAYS, &steps),
                          BB_UNSUPPORTED);
         assert_non_null(strstr(bb_message(), refused[k].kernel));
         release_layout(&l);

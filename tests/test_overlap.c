@@ -41,7 +41,7 @@ static void expect_steps(overlapping *o, uint32_t count)
         return;
     }
     check(bb_buffer_read(o->counts, 0, count * sizeof *counts, counts), "counts");
-    check(bb_steps_record_launch(device, launch, o, count, count, &steps), "steps");
+    check(bb_steps_record(device, launch, o, count, count, &steps), "steps");
     step_sums *sums = sum_steps(&steps);
     for (uint32_t i = 0; i < count; i++) {
         assert_int_equal(sums[i].of[BB_STEP_NODE], counts[i].nodes);

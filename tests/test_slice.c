@@ -42,7 +42,7 @@ static void expect_steps(slicing *s, uint32_t count)
         return;
     }
     check(bb_buffer_read(s->counts, 0, count * sizeof *counts, counts), "counts");
-    check(bb_steps_record_launch(device, launch, s, count, count, &steps), "steps");
+    check(bb_steps_record(device, launch, s, count, count, &steps), "steps");
     step_sums *sums = sum_steps(&steps);
     for (uint32_t i = 0; i < count; i++) {
         const uint32_t *of = sums[i].of;

@@ -5,7 +5,6 @@
 
 #define STRESS "stress --limit 60 --no-pictures --quiet --quick "
 #define METHODS "--builder lbvh,sah --kernel stack8,stack8i --intersector exact,fast "
-#define H100 "simt:device=h100,width=32"
 
 static int make_axes(void **state)
 {
@@ -23,11 +22,6 @@ static int make_axes(void **state)
     write_file("crowd.json", crowd, sizeof crowd - 1);
     write_file("moving.json", moving, sizeof moving - 1);
     return 0;
-}
-
-static const cJSON *rows_of(const cJSON *json)
-{
-    return cJSON_GetObjectItemCaseSensitive(json, "rows");
 }
 
 /* The row of a method at a value: a builder, or a kernel or an intersector (`builder` ""). */

@@ -368,7 +368,9 @@ static bb_status race_and_choose(course *c)
     if (c->request->exhaustive && !bb_interrupted())
         BB_TRY(search(c));
     const bb_heat heat = all_rays(c);
-    return bb_simulated_run(&c->advice, &heat);
+    if (bb_simulated_run(&c->advice, &heat) != BB_OK) /* the measured advice stays as it is */
+        bb_progress_note(&c->progress, "%s: not simulated: %s", c->request->scene, bb_message());
+    return BB_OK;
 }
 
 /* An interrupt after the choice keeps the choice. */

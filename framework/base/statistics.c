@@ -167,3 +167,17 @@ float bb_select(float *values, size_t count, size_t rank)
             return pivot;
     }
 }
+
+double bb_kendall(const double *a, const double *b, size_t count)
+{
+    double sum = 0, pairs = 0;
+    for (size_t i = 0; i < count; i++)
+        for (size_t k = 0; k < i; k++) {
+            const double product = (a[i] - a[k]) * (b[i] - b[k]);
+            if (!isfinite(a[i] - a[k]) || !isfinite(b[i] - b[k]))
+                continue;
+            pairs++;
+            sum += product > 0 ? 1 : product < 0 ? -1 : 0;
+        }
+    return pairs >= 3 ? sum / pairs : (double)NAN;
+}

@@ -57,6 +57,10 @@ typedef struct bb_wrong_rate {
  * (Breslow and Day, Statistical Methods in Cancer Research II, 1987, section 2.3). */
 bb_wrong_rate bb_wrong_rate_of(double wrong, double checked);
 
+/* Returns Kendall's tau-a of two lists, over all pairs that are finite in both: 1 if they rank all
+ * alike, -1 if the other way round. NAN with fewer than three such pairs. */
+double bb_kendall(const double *a, const double *b, size_t count);
+
 /* Returns the value that sorting would put at values[rank]; changes their order. rank < count, no
  * NAN. */
 float bb_select(float *values, size_t count, size_t rank);

@@ -1,4 +1,5 @@
 #include "framework/bench/bench_cell.h"
+#include "framework/simulate/trace_steps.h"
 
 #include "traversal/pass.h"
 
@@ -357,8 +358,8 @@ static bb_status simulate(bb_trace_set *set, bb_traced_cell *c, uint32_t layout)
         note_unsimulated(bench, &bench->kernels[c->kernel], why);
     }
     enter(r, "simulate");
-    bb_status status = bb_steps_record(bench->device, &request, data, set->rays->rays, c->count,
-                                       BB_SIMT_RAYS, &steps);
+    bb_status status = bb_trace_steps(bench->device, &request, data, set->rays->rays, c->count,
+                                      BB_SIMT_RAYS, &steps);
     bb_guard_leave();
     BB_TRY(status);
     for (uint32_t i = 0; i < bench->simt_count && status == BB_OK; i++) {

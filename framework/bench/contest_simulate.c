@@ -1,6 +1,6 @@
 /* What each way's answer to the first question takes on GPUs on paper. */
 #include "framework/bench/contest_private.h"
-#include "framework/simulate/steps_launch.h"
+#include "framework/simulate/steps.h"
 #include "kernels/bb_shared.h"
 
 #include <stdio.h>
@@ -67,7 +67,7 @@ static bb_status simulate(bb_contest *c, const bb_contest_runner *way, uint32_t 
     asked self = {c, &runner, items};
     BB_TRY(describe(c, &runner, &code));
     BB_TRY(by_ordered_layouts(c, &runner));
-    BB_TRY(bb_steps_record_launch(request->device, launch, &self, items, BB_SIMT_RAYS, &steps));
+    BB_TRY(bb_steps_record(request->device, launch, &self, items, BB_SIMT_RAYS, &steps));
     bb_status status = check_answers(c, way, items);
     for (uint32_t i = 0; i < request->simt_count && status == BB_OK; i++)
         status = bb_simulate_code(&request->simts[i], &code, &steps, &way->way->simulations[i]);

@@ -10,6 +10,7 @@
 #include "framework/picture/image.h"
 #include "framework/picture/picture.h"
 #include "framework/simulate/divergence.h"
+#include "framework/simulate/trace_steps.h"
 #include "framework/simulate/warp.h"
 #include "framework/workload/workload.h"
 #include "traversal/pass.h"
@@ -161,8 +162,8 @@ static bb_status find_divergence(rendering *r)
         return bb_fail(BB_INVALID, "--lanes must be a multiple of %u, the rays of a packet of %s",
                        footing.packet, r->kernel_spec.text);
     bb_steps steps;
-    BB_TRY(bb_steps_record(r->device, &request, &r->layout, r->rays->rays, r->rays->count,
-                           r->rays->count, &steps));
+    BB_TRY(bb_trace_steps(r->device, &request, &r->layout, r->rays->rays, r->rays->count,
+                          r->rays->count, &steps));
     bb_divergence(&steps, &footing, r->lanes, r->counts);
     bb_steps_release(&steps);
     return BB_OK;

@@ -36,22 +36,6 @@ static bool is_fastest(const bb_results *results, const bb_summary_choice *choic
     return true;
 }
 
-/* Kendall's tau-a of two figures of the rows that have both: those measured, if `b` is NULL. */
-static double rank_correlation(const bb_summary *s, const double *a, const double *b)
-{
-    double sum = 0, pairs = 0;
-    for (uint32_t i = 0; i < s->builder_count; i++)
-        for (uint32_t k = 0; k < i; k++) {
-            const double x = a[i] - a[k];
-            const double y = b != NULL ? b[i] - b[k] : s->rows[i].mrays_s - s->rows[k].mrays_s;
-            if (!isfinite(x) || !isfinite(y))
-                continue;
-            pairs++;
-            sum += x * y > 0 ? 1 : x * y < 0 ? -1 : 0;
-        }
-    return pairs >= 3 ? sum / pairs : (double)NAN;
-}
-
 typedef uint32_t binding_counts[BB_BINDINGS];
 
 static bb_binding most_frequent(const binding_counts counts)
@@ -105,17 +89,22 @@ static bb_status simulate(const bb_results *results, const bb_summary_choice *ch
 {
     const size_t rows = s->row_count + 1;
     binding_counts *counts = calloc(rows, sizeof *counts);
+    double *measured = calloc(rows, sizeof *measured);
     *of = (bb_summary_simulation){.name = name,
                                   .mrays_s = calloc(rows, sizeof *of->mrays_s),
                                   .binds_row = calloc(rows, sizeof *of->binds_row)};
-    if (counts == NULL || of->mrays_s == NULL || of->binds_row == NULL) {
+    if (counts == NULL || measured == NULL || of->mrays_s == NULL || of->binds_row == NULL) {
         free(counts);
+        free(measured);
         return bb_fail(BB_FAILED, "summary: no memory");
     }
     fill(results, choice, s, counts, of);
     free(counts);
-    of->correlation = rank_correlation(s, of->mrays_s, NULL);
-    of->stability = rank_correlation(s, of->mrays_s, s->simulations[0].mrays_s);
+    of->stability = bb_kendall(of->mrays_s, s->simulations[0].mrays_s, s->builder_count);
+    for (uint32_t i = 0; i < s->builder_count; i++)
+        measured[i] = s->rows[i].mrays_s;
+    of->correlation = bb_kendall(of->mrays_s, measured, s->builder_count);
+    free(measured);
     return BB_OK;
 }
 

@@ -7,6 +7,7 @@
 #include "framework/judge/queries.h"
 #include "framework/papers/reproduce.h"
 #include "framework/simulate/lockstep.h"
+#include "framework/simulate/trace_steps.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -54,7 +55,7 @@ static bb_status compare(bb_device *device, const bb_lockstep_case *which,
 {
     const bb_footing footing = bb_footing_of(request, layout);
     bb_steps steps;
-    BB_TRY(bb_steps_record(device, request, layout, rays, RAYS, RAYS, &steps));
+    BB_TRY(bb_trace_steps(device, request, layout, rays, RAYS, RAYS, &steps));
     bb_issued sums[BB_LOCKSTEP_WIDTHS][BB_ISSUE_KINDS];
     bb_status status = bb_lockstep_run(device, which, request, layout, rays, RAYS, sums);
     for (uint32_t w = 0; w < BB_LOCKSTEP_WIDTHS && status == BB_OK; w++) {
@@ -179,26 +180,19 @@ static double time_of(const bb_findings *f, const char *scene, const char *build
 static void rank(bb_findings *f, const char *scene, uint32_t simulation, char *const *builders,
                  size_t count)
 {
-    double first[BUILDERS_MOST], own[BUILDERS_MOST], sum = 0, pairs = 0;
+    double first[BUILDERS_MOST], own[BUILDERS_MOST];
     bb_words words = {0};
     for (size_t b = 0; b < count; b++) {
         first[b] = time_of(f, scene, builders[b], 0);
         own[b] = time_of(f, scene, builders[b], simulation);
     }
     for (size_t a = 0; a < count; a++)
-        for (size_t b = 0; b < a; b++) {
-            const double product = (first[a] - first[b]) * (own[a] - own[b]);
-            if (!isfinite(product))
-                continue;
-            pairs++;
-            sum += product > 0 ? 1 : product < 0 ? -1 : 0;
-            if (product < 0)
+        for (size_t b = 0; b < a; b++)
+            if ((first[a] - first[b]) * (own[a] - own[b]) < 0)
                 bb_say(&words, "%s%s and %s", words.length > 0 ? ", " : "", builders[a],
                        builders[b]);
-        }
     const uint32_t row = bb_table_row(f->table, (bb_cell){{[BB_SCENE] = scene}});
-    bb_table_set_number(f->table, row, &stability[simulation],
-                        pairs > 0 ? sum / pairs : (double)NAN);
+    bb_table_set_number(f->table, row, &stability[simulation], bb_kendall(first, own, count));
     bb_table_set_text(f->table, row, &swaps[simulation],
                       words.length > 0 ? words.text : "none changes places");
 }

@@ -18,12 +18,14 @@ typedef struct bb_steps {
 
 enum { BB_STEPS_MOST = 1 << 28 }; /* words that are recorded at most: 1 GiB */
 
-/* Traces rays[0..count), or a sample of `most` of them, by the recording variant of what is
- * requested; `most` is a multiple of BB_STEPS_RUN. A sample has runs of rays that follow each
- * other, as many short and long ones as all rays have. BB_UNSUPPORTED if the kernel has no such
- * variant. BB_REFUSED if there are more than BB_STEPS_MOST steps, or no room for them. */
-bb_status bb_steps_record(bb_device *device, const bb_traverser_request *request,
-                          const bb_layout_data *layout, const bb_ray *rays, uint32_t count,
+/* Launches the recording variant of a kernel over all items; need not wait. */
+typedef bb_status (*bb_recorded_launch)(void *self, const bb_recording *recording);
+
+/* Records the steps of items 0 to count - 1, or of a sample of `most` of them, a multiple of
+ * BB_STEPS_RUN. A sample has runs of items that follow each other, as many short and long ones as
+ * all items have. All are launched twice: the first time their steps are counted. BB_REFUSED if
+ * there are more than BB_STEPS_MOST steps to record, or no room for them. */
+bb_status bb_steps_record(bb_device *device, bb_recorded_launch launch, void *self, uint32_t count,
                           uint32_t most, bb_steps *steps);
 void bb_steps_release(bb_steps *steps); /* a zeroed one is allowed */
 

@@ -1,6 +1,6 @@
 /* Traces of the first and the last frame on GPUs on paper: of a tree that was built, and of what
  * all updates have made of it. */
-#include "framework/simulate/steps.h"
+#include "framework/simulate/trace_steps.h"
 #include "framework/tasks/animate_private.h"
 
 #include <math.h>
@@ -44,7 +44,7 @@ static bb_status simulate_set(const bb_animate *a, const bb_traverser_request *r
     const bb_animate_request *r = a->request;
     bb_steps steps;
     BB_TRY(
-        bb_steps_record(a->device, request, layout, rays->rays, rays->count, BB_SIMT_RAYS, &steps));
+        bb_trace_steps(a->device, request, layout, rays->rays, rays->count, BB_SIMT_RAYS, &steps));
     bb_status status = BB_OK;
     for (uint32_t i = 0; i < r->simt_count && status == BB_OK; i++)
         status = bb_simulate(&r->simts[i], request, layout, &steps, &simulations[i]);

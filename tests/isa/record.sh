@@ -50,7 +50,8 @@ commands() {
         echo "trace/$kernel run --form gpu --scene cube --builder lbvh --kernel $kernel,stack=32" \
             "--rays primary --size 8x8 --repeats 1 --no-pictures --charts no --quiet" \
             "--out $folder/logs/$kernel"
-        [[ $kernel = *:* ]] ||
+        # no simulation reads the code of marches by packets, nor by rays in turns
+        [[ $kernel = *:* || $kernel = packet* || $kernel = stack8i ]] ||
             echo "march/$kernel volume --form gpu --scene nbody:n=16 --builder lbvh" \
                 "--kernel $kernel,stack=32 --size 8x8 --steps none --repeats 1 --quiet"
     done
