@@ -46,8 +46,7 @@ bb_status bb_choose_view(const bb_scene *scene, const char *name, const bb_view 
 #define BB_SIMULATIONS_OPTION(type, member, what)                                                  \
     {                                                                                              \
         "metrics", "M",                                                                            \
-            BB_SIMT ", such as " BB_SIMT ":device=h100,width=32: " what                            \
-                    ", simulated on a GPU on paper",                                               \
+            "simulate a GPU on paper, such as " BB_SIMT ":device=h100,width=32: " what,            \
             BB_INTO(type, member)                                                                  \
     }
 

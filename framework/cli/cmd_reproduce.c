@@ -304,9 +304,8 @@ static void say_over(const wanted *w, bool all)
                     : "claims that need more cannot be told");
 }
 
-static bb_status run(const bb_cli *cli, void *values, int *exit_status)
+static bb_status run_asked(const bb_cli *cli, wanted *w, int *exit_status)
 {
-    wanted *w = values;
     bb_reproduce_request *request = &w->request;
     BB_TRY(bb_time_option(w->time, &w->ends_ms));
     BB_TRY(bb_choose_simulations(&w->metrics, w->simts, &request->simt_count));
@@ -330,6 +329,14 @@ static bb_status run(const bb_cli *cli, void *values, int *exit_status)
     BB_TRY(run_paper(cli, w, w->folder, exit_status));
     say_over(w, false);
     return BB_OK;
+}
+
+static bb_status run(const bb_cli *cli, void *values, int *exit_status)
+{
+    wanted *w = values;
+    const bb_status status = run_asked(cli, w, exit_status);
+    bb_names_free(&w->own_metrics);
+    return status;
 }
 
 extern const bb_command bb_command_reproduce;

@@ -52,22 +52,19 @@ static bb_status simulate_set(const bb_animate *a, const bb_traverser_request *r
     return status;
 }
 
-/* Makes the kernel's layout for simulations, in preorder, or has it follow as those do that are
- * timed. */
-static bb_status make_layout(bb_animate *a, bb_animate_runner *runner, uint32_t index, uint32_t k)
+/* Makes the kernel's layout for simulations. It does not follow from frame to frame as those do that
+ * are timed: an update may number its tree by which thread came first. */
+static bb_status make_layout(const bb_animate *a, bb_animate_runner *runner, uint32_t k)
 {
     bb_layout_maker *maker = &runner->simulated_makers[k];
-    bb_layout_data *layout = &runner->simulated_layouts[k];
-    const uint32_t format = bb_intersector_format(&a->intersector);
-    bool in_place;
-    if (index > 0)
-        return bb_layout_maker_follow(maker, a->scene, &runner->instance.tree, a->leaves[k], format,
-                                      layout, &in_place);
-    BB_TRY(bb_layout_maker_create(bb_layout_find(a->kernels[k]->layout), a->device, maker));
-    maker->wish = bb_kernel_wish(&a->kernel_specs[k]);
-    maker->wish.preorder = true;
-    return bb_layout_maker_make(maker, a->scene, &runner->instance.tree, a->leaves[k], format,
-                                layout);
+    if (maker->layout == NULL) {
+        BB_TRY(bb_layout_maker_create(bb_layout_find(a->kernels[k]->layout), a->device, maker));
+        maker->wish = bb_kernel_wish(&a->kernel_specs[k]);
+        maker->wish.preorder = true;
+    }
+    return bb_layout_maker_make(maker, a->scene, &runner->instance.tree, a->leaves[k],
+                                bb_intersector_format(&a->intersector),
+                                &runner->simulated_layouts[k]);
 }
 
 static bb_status simulate_kernel(bb_animate *a, bb_animate_runner *runner, uint32_t index,
@@ -76,7 +73,7 @@ static bb_status simulate_kernel(bb_animate *a, bb_animate_runner *runner, uint3
     if (a->kernels[k]->control == BB_CONTROL_UNKNOWN)
         return bb_fail(BB_UNSUPPORTED, "the steps of kernel %s are not recorded",
                        a->result->kernels[k]);
-    BB_TRY(make_layout(a, runner, index, k));
+    BB_TRY(make_layout(a, runner, k));
     for (uint32_t set = 0; set < a->request->ray_count; set++) {
         const bb_rays *rays = a->rays[index].sets[set];
         if (rays == NULL)
