@@ -351,10 +351,11 @@ static bb_status simulate(bb_trace_set *set, bb_traced_cell *c, uint32_t layout)
     BB_TRY(bb_bench_layout(bench, c->entrant, layout));
     if (!bb_simulates_bounds(request.kernel, data->kinds)) {
         char why[640];
-        snprintf(why, sizeof why,
-                 "bounds of kernel %s: kernels/isa.tsv has code for triangles, and none that has "
-                 "each ray of a packet on a lane",
-                 request.spec->text);
+        snprintf(
+            why, sizeof why,
+            "bounds of kernel %s: kernels/isa.tsv has the code of a ray among triangles alone or "
+            "spheres alone, none of a packet's",
+            request.spec->text);
         note_unsimulated(bench, &bench->kernels[c->kernel], why);
     }
     enter(r, "simulate");

@@ -169,11 +169,16 @@ static void find_least(bb_simulation *s)
     s->mrays_s = bounds[s->binds];
 }
 
-/* A packet is the work of one work-item, whose code says nothing of that of a ray on each lane. The
- * table has the code of triangles. */
+/* What the table's programs begin with that trace primitives of these kinds; NULL: it has none. */
+static const char *programs_of(uint32_t kinds)
+{
+    return kinds == BB_TRIANGLES ? "" : kinds == BB_SPHERES ? "spheres/" : NULL;
+}
+
+/* A packet is the work of one work-item, whose code says nothing of that of a ray on each lane. */
 bool bb_simulates_bounds(const bb_kernel *kernel, uint32_t kinds)
 {
-    return kinds == BB_TRIANGLES && kernel->control != BB_CONTROL_UNKNOWN &&
+    return programs_of(kinds) != NULL && kernel->control != BB_CONTROL_UNKNOWN &&
            kernel->control != BB_PACKETS;
 }
 
@@ -218,7 +223,10 @@ bb_status bb_simulate(const bb_simt *simt, const bb_traverser_request *request,
     if (!bb_intersector_is_exact(request->intersector))
         return bb_fail(BB_UNSUPPORTED, "kernels/isa.tsv has the code of `exact` alone, not of %s",
                        request->intersector->name);
-    code.kernel = bb_simulates_bounds(request->kernel, layout->kinds) ? "trace" : NULL;
-    snprintf(code.program, sizeof code.program, "%s", request->spec->text);
+    if (bb_simulates_bounds(request->kernel, layout->kinds)) {
+        code.kernel = "trace";
+        snprintf(code.program, sizeof code.program, "%s%.500s", programs_of(layout->kinds),
+                 request->spec->text);
+    }
     return bb_simulate_code(simt, &code, steps, simulation);
 }

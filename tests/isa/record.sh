@@ -3,6 +3,8 @@
 # that there is: record.sh BVHBENCH MOCK-LIBRARY FOLDER
 #   FOLDER/FORM/N/         what command N built; FORM: cpu or gpu; or test: of both
 #   FOLDER/trace/SPEC/     what kernel SPEC traces closest hits with, in the form for GPUs
+#   FOLDER/spheres/SPEC/   the same of spheres alone, but for kernels that no simulation reads the
+#                          code of: those of packets, and of rays in turns
 #   FOLDER/march/KERNEL/   what kernel KERNEL marches through a volume with, likewise
 # SPEC: each kernel of `list kernels`, and the variants that are for GPUs; with a stack of 32 where
 # it has one of the tree's size.
@@ -15,7 +17,7 @@ mkdir -p "$folder/logs"
 # A line each: a place, then a command of bvhbench, or a test program, whose answers are other
 # tests' matter.
 commands() {
-    local form handover trace kernel
+    local form handover trace kernel frame
     for form in cpu gpu; do
         for handover in fence levels; do
             echo "$form/$handover check --form $form --handover $handover --builder all" \
@@ -47,11 +49,13 @@ commands() {
     echo "test/points test_locate" # no command asks for points alone
     echo "test/faces test_locate_faces"
     for kernel in $("$program" list kernels --json | jq -r '.kernels[].name') "${variants[@]}"; do
-        echo "trace/$kernel run --form gpu --scene cube --builder lbvh --kernel $kernel,stack=32" \
-            "--rays primary --size 8x8 --repeats 1 --no-pictures --charts no --quiet" \
-            "--out $folder/logs/$kernel"
-        # no simulation reads the code of marches by packets, nor by rays in turns
-        [[ $kernel = *:* || $kernel = packet* || $kernel = stack8i ]] ||
+        frame="--builder lbvh --kernel $kernel,stack=32 --rays primary --size 8x8 --repeats 1"
+        frame+=" --no-pictures --charts no --quiet"
+        echo "trace/$kernel run --form gpu --scene cube $frame --out $folder/logs/$kernel"
+        [[ $kernel = packet* || $kernel = stack8i ]] && continue
+        echo "spheres/$kernel run --form gpu --scene spheres:n=100 $frame" \
+            "--out $folder/logs/spheres-$kernel"
+        [[ $kernel = *:* ]] ||
             echo "march/$kernel volume --form gpu --scene nbody:n=16 --builder lbvh" \
                 "--kernel $kernel,stack=32 --size 8x8 --steps none --repeats 1 --quiet"
     done
