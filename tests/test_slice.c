@@ -29,24 +29,21 @@ static bb_status launch(void *self, const bb_recording *recording)
     return bb_slice(s->slicer, &s->search, s->boundary, s->args, s->voxels, s->counts);
 }
 
-/* Each voxel's steps at nodes are as many as were counted; with all tetrahedra, each search reads
- * all until it ends. */
+/* Each voxel's steps at nodes are as many as were counted, and so are restarts; with all
+ * tetrahedra, each search reads all until it ends. */
 static void expect_steps(slicing *s, uint32_t count)
 {
-    bb_simulated_code code;
+    bb_simulated_code code = {.kernel = NULL};
     bb_steps steps;
     bb_count *counts = malloc(count * sizeof *counts);
-    if (bb_tet_search_code(&s->search, "slice_tets", &code) != BB_OK) {
-        assert_int_equal(s->search.way, BB_SEARCH_OLBVH);
-        free(counts);
-        return;
-    }
+    check(bb_tet_search_code(&s->search, "slice_tets", &code), "code");
     check(bb_buffer_read(s->counts, 0, count * sizeof *counts, counts), "counts");
     check(bb_steps_record(device, launch, s, count, count, &steps), "steps");
     step_sums *sums = sum_steps(&steps);
     for (uint32_t i = 0; i < count; i++) {
         const uint32_t *of = sums[i].of;
-        assert_int_equal(of[BB_STEP_NODE], counts[i].nodes);
+        assert_int_equal(tested_nodes(&sums[i], code.footing.control), counts[i].nodes);
+        assert_int_equal(of[BB_STEP_RESTART], counts[i].restarts);
         assert_true(of[BB_STEP_AGAIN] <= 1 && of[BB_STEP_POP] <= of[BB_STEP_PUSH]);
         if (of[BB_STEP_AGAIN] == 0)
             assert_int_equal(of[BB_STEP_PRIMS], counts[i].prims);
@@ -54,6 +51,7 @@ static void expect_steps(slicing *s, uint32_t count)
     free(sums);
     free(counts);
     bb_steps_release(&steps);
+    bb_simulated_code_release(&code);
 }
 
 /* Asks a way twice, counting and not. */

@@ -1,6 +1,7 @@
 #include "framework/simulate/simulate.h"
 
 #include "framework/base/arithmetic.h"
+#include "framework/base/memory.h"
 #include "framework/simulate/costs.h"
 
 #include <math.h>
@@ -175,6 +176,12 @@ bool bb_simulates_bounds(const bb_kernel *kernel, uint32_t kinds)
 {
     return kinds == BB_TRIANGLES && kernel->control != BB_CONTROL_UNKNOWN &&
            kernel->control != BB_PACKETS;
+}
+
+void bb_simulated_code_release(bb_simulated_code *code)
+{
+    bb_host_free(code->listed);
+    code->listed = NULL;
 }
 
 bb_status bb_simulate_code(const bb_simt *simt, const bb_simulated_code *code,

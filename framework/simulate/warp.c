@@ -59,6 +59,8 @@ static bool take(bb_warp *warp, bb_issue *issue, uint32_t kind, uint64_t lanes)
 {
     issue->kind = kind;
     issue->lanes = issue->words[0] = issue->words[1] = lanes;
+    if (warp->footing->is_link)
+        issue->words[1] = 0;
     warp->at[kind] &= ~lanes;
     for (uint64_t rest = lanes; rest != 0; rest &= rest - 1) {
         const uint32_t i = (uint32_t)__builtin_ctzll(rest);
@@ -125,6 +127,23 @@ static bool ends_of_rays(bb_warp *warp, bb_issue *issue, uint32_t kind, uint32_t
     return true;
 }
 
+/* Whether what a search finds is looked up when all have found it. */
+static bool finds_first(const bb_warp *warp)
+{
+    return is_of(warp, BB_IF_ELSE) || is_of(warp, BB_UNTIL_LEAF);
+}
+
+/* The turn that comes after the last pop. */
+static uint32_t after_pops(const bb_warp *warp)
+{
+    const uint64_t nodes = warp->at[BB_STEP_NODE] | warp->at[BB_STEP_BOX] | warp->at[BB_STEP_POP];
+    const uint64_t leaves = warp->at[BB_STEP_LEAF] | warp->at[BB_STEP_PRIMS];
+    return nodes != 0                   ? BB_STEP_NODE
+           : leaves == 0                ? TURN_PACKET_POP
+           : is_of(warp, BB_UNTIL_LEAF) ? BB_STEP_LEAF
+                                        : BB_STEP_NODE;
+}
+
 /* The turn that comes when no ray takes samples. */
 static uint32_t after_samples(const bb_warp *warp)
 {
@@ -143,16 +162,31 @@ bool bb_warp_next(bb_warp *warp, bb_issue *issue)
             lanes = warp->pushing = warp->at[BB_STEP_NODE];
             if (is_of(warp, BB_IF_ELSE))
                 warp->popping = warp->at[BB_STEP_POP];
-            warp->turn = lanes != 0 ? BB_STEP_PUSH : BB_STEP_PRIMS;
+            warp->turn = is_of(warp, BB_UNTIL_LEAF) ? BB_STEP_BOX
+                         : lanes != 0               ? BB_STEP_PUSH
+                                                    : BB_STEP_PRIMS;
             if (lanes != 0)
                 return take(warp, issue, BB_STEP_NODE, lanes);
+            break;
+        case BB_STEP_BOX:
+            lanes = warp->at[BB_STEP_BOX];
+            if (lanes != 0)
+                return take(warp, issue, BB_STEP_BOX, lanes);
+            warp->turn = BB_STEP_PUSH;
             break;
         case BB_STEP_PUSH:
             lanes = warp->pushing & warp->at[BB_STEP_PUSH];
             if (lanes != 0)
                 return take(warp, issue, BB_STEP_PUSH, lanes);
             warp->turn = is_of(warp, BB_WHILE_WHILE) || is_of(warp, BB_PACKETS) ? BB_STEP_NODE
+                         : is_of(warp, BB_UNTIL_LEAF)                           ? BB_STEP_POP
                                                                                 : BB_STEP_PRIMS;
+            break;
+        case BB_STEP_LEAF:
+            lanes = warp->at[BB_STEP_LEAF];
+            warp->turn = BB_STEP_PRIMS;
+            if (lanes != 0)
+                return take(warp, issue, BB_STEP_LEAF, lanes);
             break;
         case BB_STEP_PRIMS:
             lanes = warp->at[BB_STEP_PRIMS];
@@ -168,7 +202,7 @@ bool bb_warp_next(bb_warp *warp, bb_issue *issue)
                 return take(warp, issue, BB_STEP_SAMPLE, lanes);
             break;
         case BB_STEP_LOOKUP:
-            lanes = is_of(warp, BB_IF_ELSE) ? 0 : warp->at[BB_STEP_LOOKUP];
+            lanes = finds_first(warp) ? 0 : warp->at[BB_STEP_LOOKUP];
             warp->turn = after_samples(warp);
             if (lanes != 0) {
                 warp->turn = BB_STEP_SAMPLE;
@@ -186,8 +220,7 @@ bool bb_warp_next(bb_warp *warp, bb_issue *issue)
                 return take(warp, issue, BB_STEP_POP, lanes);
             if (warp->restarting != 0)
                 break;
-            lanes = warp->at[BB_STEP_NODE] | warp->at[BB_STEP_PRIMS] | warp->at[BB_STEP_POP];
-            warp->turn = lanes != 0 ? BB_STEP_NODE : TURN_PACKET_POP;
+            warp->turn = after_pops(warp);
             break;
         case BB_STEP_RESTART:
             lanes = warp->restarting;
@@ -223,7 +256,7 @@ bool bb_warp_next(bb_warp *warp, bb_issue *issue)
                 return true;
             break;
         case BB_STEP_AGAIN:
-            lanes = warp->at[BB_STEP_LOOKUP]; /* if-else: of what all have found */
+            lanes = warp->at[BB_STEP_LOOKUP]; /* of what all have found */
             if (lanes != 0)
                 return take(warp, issue, BB_STEP_LOOKUP, lanes);
             lanes = warp->at[BB_STEP_AGAIN];
