@@ -18,8 +18,10 @@ enum {
                       * a node whose children's boxes are apart: BB_STEP_CHILD() */
     BB_STEP_SAMPLE,  /* interpolates a volume's values; the first of the eight voxels */
     BB_STEP_LOOKUP,  /* interpolates entries of a table, after a sample; the first of the two */
-    BB_STEP_AGAIN,   /* begins another search, after all rays of a group have ended one; 0 */
+    BB_STEP_AGAIN,   /* begins another search, after all rays of a group have ended one; 1: for what
+                      * meets a region, a box or a ray; or else 0 */
     BB_STEP_LEAF,    /* goes to a leaf, one of those that a node has; its index */
+    BB_STEP_EXACT,   /* tests a primitive at length, whose box did not suffice; 0 */
     BB_STEP_KINDS,
     BB_STEP_MARK /* no step: 1: the ray joins its packet, 0: it leaves it */
 };

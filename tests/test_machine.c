@@ -245,6 +245,38 @@ static void trees_in_arrays_are_read_by_their_lists(void **state)
     expect_issued(&t, BB_STEP_POP, 1, 4, 1);
 }
 
+static void searches_in_regions_are_counted_apart(void **state)
+{
+    (void)state;
+    const bb_machine m = machine_of(32, 1, 1);
+    bb_footing f = footing;
+    f.control = BB_IF_ELSE;
+    no_rays();
+    add_rays(20, "N1P1A1N1N1P1XA0N1");
+    add_ray("N1");
+    bb_traffic t = run(&m, &f);
+    assert_int_equal(t.issued[BB_STEP_NODE].count, 4);
+    assert_int_equal(t.in_regions[BB_STEP_NODE].count, 2);
+    assert_int_equal(t.in_regions[BB_STEP_NODE].lanes, 40);
+    assert_int_equal(t.in_regions[BB_STEP_AGAIN].count, 1);
+    assert_int_equal(t.in_regions[BB_STEP_EXACT].lanes, 20);
+    bb_machine two = m; /* the second one's groups are others */
+    two.units = 2;
+    no_rays();
+    add_rays(32, "N1A1N1");
+    add_rays(32, "N1A1N1N1");
+    t = run(&two, &f);
+    assert_int_equal(t.issued[BB_STEP_NODE].count, 5);
+    assert_int_equal(t.in_regions[BB_STEP_NODE].count, 3);
+    no_rays();
+    add_rays(20, "N1P1A1N1N1P1XA0N1");
+    add_ray("N1");
+    f.in_region = true; /* from the beginning */
+    t = run(&m, &f);
+    assert_int_equal(t.in_regions[BB_STEP_NODE].count, 3);
+    assert_int_equal(t.in_regions[BB_STEP_NODE].lanes, 61);
+}
+
 static void caches_find_what_they_hold(void **state)
 {
     (void)state;
@@ -428,6 +460,7 @@ int main(void)
         cmocka_unit_test(packets_share_their_entries),
         cmocka_unit_test(samples_read_eight_voxels),
         cmocka_unit_test(trees_in_arrays_are_read_by_their_lists),
+        cmocka_unit_test(searches_in_regions_are_counted_apart),
         cmocka_unit_test(caches_find_what_they_hold),
         cmocka_unit_test(work_groups_are_not_torn_apart),
         cmocka_unit_test(the_second_cache_begins_warm),

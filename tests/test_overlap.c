@@ -42,6 +42,7 @@ static void expect_steps(overlapping *o, uint32_t count)
     for (uint32_t i = 0; i < count; i++) {
         assert_int_equal(tested_nodes(&sums[i], code.footing.control), counts[i].nodes);
         assert_int_equal(sums[i].of[BB_STEP_RESTART], counts[i].restarts);
+        assert_int_equal(sums[i].of[BB_STEP_EXACT], counts[i].prims);
         assert_true(sums[i].of[BB_STEP_PRIMS] >= counts[i].prims); /* boxes that do not meet */
     }
     free(sums);

@@ -45,6 +45,7 @@ static void expect_steps(slicing *s, uint32_t count)
         assert_int_equal(tested_nodes(&sums[i], code.footing.control), counts[i].nodes);
         assert_int_equal(of[BB_STEP_RESTART], counts[i].restarts);
         assert_true(of[BB_STEP_AGAIN] <= 1 && of[BB_STEP_POP] <= of[BB_STEP_PUSH]);
+        assert_true(of[BB_STEP_PRIMS] + of[BB_STEP_EXACT] >= counts[i].prims);
         if (of[BB_STEP_AGAIN] == 0)
             assert_int_equal(of[BB_STEP_PRIMS], counts[i].prims);
     }

@@ -180,6 +180,15 @@ static void leaves_are_found_together(void **state)
     expect_order(BB_UNTIL_LEAF, 8, "b2 A2 B2 N2 B1 N1 F2 P2 L2 A2 B2 N2 F2 P2 L2 e2");
 }
 
+static void exact_tests_come_after_their_primitive(void **state)
+{
+    (void)state;
+    no_rays();
+    add_ray("NPXPPXNPX");
+    add_ray("NPPXPNP");
+    expect_order(BB_IF_ELSE, 0, "b2 N2 P2 X1 P2 X1 P2 X1 N2 P2 X1 e2");
+}
+
 static void rays_wait_for_their_group(void **state)
 {
     (void)state;
@@ -215,6 +224,7 @@ int main(void)
         cmocka_unit_test(searches_begin_together),
         cmocka_unit_test(looked_up_after_all_have_found),
         cmocka_unit_test(leaves_are_found_together),
+        cmocka_unit_test(exact_tests_come_after_their_primitive),
         cmocka_unit_test(rays_wait_for_their_group),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -21,6 +21,7 @@ typedef struct bb_footing {
     uint32_t group;                    /* rays of a work-group, at least 1 */
     uint32_t packet;                   /* rays of a packet, a divisor of the width; 1: no packets */
     uint32_t ring;                     /* entries of a short stack; 0: as many as it takes */
+    bool in_region;                    /* the first search is for what meets a region */
     bool is_link;                      /* an entry is a link, one word; or else two words */
     uint32_t node_bytes;               /* size of a node */
     uint32_t prim_bytes;               /* of a primitive, or of a block of them */

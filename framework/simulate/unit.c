@@ -196,7 +196,7 @@ static bool make_room(bb_unit *u, size_t more)
 
 /* ---- groups ---- */
 
-static void issue_step(bb_unit *u, uint64_t slot, const bb_issue *issue)
+static void issue_step(bb_unit *u, uint32_t slot, const bb_issue *issue)
 {
     const bb_footing *f = u->footing;
     uint64_t sectors[SECTORS_MOST], line = UINT64_MAX;
@@ -220,7 +220,8 @@ static void issue_step(bb_unit *u, uint64_t slot, const bb_issue *issue)
         break;
     case BB_STEP_PUSH:
     case BB_STEP_POP:
-        count = sectors_of_stack(issue, u->machine->width, slot, sectors);
+        count = sectors_of_stack(issue, u->machine->width,
+                                 (uint64_t)u->number * u->machine->in_flight + slot, sectors);
         break;
     case BB_STEP_SAMPLE:
         count = sectors_of_samples(issue, f, sectors);
@@ -235,6 +236,10 @@ static void issue_step(bb_unit *u, uint64_t slot, const bb_issue *issue)
     sum->count++;
     sum->lanes += (unsigned)__builtin_popcountll(issue->lanes);
     sum->sectors += count;
+    if (u->slots[slot].in_region) {
+        u->traffic.in_regions[issue->kind].count++;
+        u->traffic.in_regions[issue->kind].lanes += (unsigned)__builtin_popcountll(issue->lanes);
+    }
     const bool write = issue->kind == BB_STEP_PUSH || issue->kind == BB_ISSUE_END;
     for (uint32_t i = 0; i < count; i++) {
         sum->lines += sectors[i] / BB_LINE_SECTORS != line;
@@ -273,7 +278,7 @@ static void take_turn(bb_unit *u)
         if (!u->busy[s])
             continue;
         if (bb_warp_next(&u->slots[s], &issue)) {
-            issue_step(u, (uint64_t)u->number * slots + s, &issue);
+            issue_step(u, s, &issue);
             u->issued[s] += issue.kind < BB_STEP_KINDS;
             return;
         }

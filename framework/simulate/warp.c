@@ -34,8 +34,12 @@ static void look_ahead(bb_warp *warp, uint32_t lane)
 void bb_warp_start(bb_warp *warp, const bb_steps *steps, const bb_footing *footing, uint32_t first,
                    uint32_t lanes)
 {
-    *warp = (bb_warp){
-        .steps = steps, .footing = footing, .first = first, .lanes = lanes, .turn = TURN_BEGIN};
+    *warp = (bb_warp){.steps = steps,
+                      .footing = footing,
+                      .first = first,
+                      .lanes = lanes,
+                      .turn = TURN_BEGIN,
+                      .in_region = footing->in_region};
     for (uint32_t i = 0; i < lanes; i++) {
         warp->next[i] = first + i > 0 ? steps->ends[first + i - 1] : 0;
         warp->end[i] = steps->ends[first + i];
@@ -69,8 +73,10 @@ static bool take(bb_warp *warp, bb_issue *issue, uint32_t kind, uint64_t lanes)
             issue->index[i] = place(warp, warp->top[i]++);
         else if (kind == BB_STEP_POP)
             issue->index[i] = place(warp, --warp->top[i]);
-        else if (kind == BB_STEP_AGAIN)
+        else if (kind == BB_STEP_AGAIN) {
             warp->top[i] = 0;
+            warp->in_region = issue->index[i] != 0;
+        }
         look_ahead(warp, i);
     }
     return true;
@@ -190,10 +196,16 @@ bool bb_warp_next(bb_warp *warp, bb_issue *issue)
             break;
         case BB_STEP_PRIMS:
             lanes = warp->at[BB_STEP_PRIMS];
-            if (lanes == 0 || is_of(warp, BB_IF_IF_BY_LEAF))
-                warp->turn = BB_STEP_SAMPLE;
+            warp->turn =
+                lanes == 0 || is_of(warp, BB_IF_IF_BY_LEAF) ? BB_STEP_SAMPLE : BB_STEP_EXACT;
             if (lanes != 0)
                 return take(warp, issue, BB_STEP_PRIMS, lanes);
+            break;
+        case BB_STEP_EXACT:
+            lanes = warp->at[BB_STEP_EXACT];
+            warp->turn = BB_STEP_PRIMS;
+            if (lanes != 0)
+                return take(warp, issue, BB_STEP_EXACT, lanes);
             break;
         case BB_STEP_SAMPLE:
             lanes = warp->at[BB_STEP_SAMPLE];

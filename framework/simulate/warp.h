@@ -6,20 +6,20 @@
  *
  *   loop: nodes: while a ray that has not left this loop is at a node: these take it, then push
  *                (if-if, if-else: once)
- *         primitives: while a ray is at one (by leaf: once)
+ *         primitives: while a ray is at one (by leaf: once): these, then those that test it exactly
  *         samples: while a ray takes one: these take it, then look its values up
  *                  (by leaf: on to primitives, while a ray is at one)
  *         pops: while a ray pops or restarts: these pop, then those restart (if-else: once those
  *               pop that began the iteration with it)
- *   again: (if-else, until leaf: all look up what they have found) all rays that need another search begin it,
- *          with samples if they take some first
+ *   again: (if-else, until leaf: all look up what they have found) all rays that need another
+ *          search begin it, with samples if they take some first
  *
  * Until each ray has a leaf, or no node is left (until leaf):
  *
  *   loop: nodes: while a ray is at one: these take it; while one of them has a child to test: a box
  *                of each that has; while one of them pushes: these push; those that pop or restart
  *                do so once
- *         all that have a leaf go to it; primitives: while a ray is at one
+ *         all that have a leaf go to it; primitives: while a ray is at one, as above
  *
  * A group may hold several packets, whose rays follow each other. Those that are together with
  * their packet take its steps, of which they are active in some; those that have left it are as
@@ -65,6 +65,7 @@ typedef struct bb_warp {
     const bb_footing *footing;
     uint32_t first, lanes;             /* its rays */
     uint32_t turn;                     /* kind whose turn it is */
+    bool in_region;                    /* its search is for what meets a region */
     uint64_t at[BB_STEP_KINDS];        /* lanes whose next step is of this kind, and their own */
     uint64_t of_packet[BB_STEP_KINDS]; /* likewise, their packet's */
     uint64_t together;                 /* lanes that are with their packet */
