@@ -54,6 +54,10 @@ bool bb_visit_tet(bb_visitor *visitor, uint prim, uint flags, const float3 corne
     float3 origin = visitor->corners[0], side = (float3)(0.0f);
     for (uint c = 0; c < 4; c++)
         side = BB_MAX(side, BB_MAX(fabs(corners[c] - origin), fabs(visitor->corners[c] - origin)));
+    BB_STEP_BY(visitor->tree->recorder, BB_STEP_EXACT, 0);
+#if !BB_HAS_EXACT
+    return side.x > corners[0].x;
+#endif
     bb_real unit = bb_solid_unit(side);
     bb_solid own = bb_solid_tet(visitor->corners, origin, unit);
     bb_solid other = bb_solid_tet(corners, origin, unit);
@@ -153,7 +157,7 @@ kernel void overlap_tets(BB_LOCATE_PARAMETERS,
     visitor.hi = hi * tree.args.scale;
     bool meets = false, flat = (visitor.flags & BB_TET_FLAT) != 0u;
 #if BB_OVERLAP_FLAGS
-    for (uint c = 0; c < 4 && !meets && !flat; c++)
+    for (uint c = 0; c < 4 && !meets && !flat && BB_HAS_POINTS; c++)
         meets = bb_overlap_inside(&tree, places[c], &counted.nodes);
 #endif
     meets = meets || (!flat && bb_walk(&tree, lo, hi, &visitor, &counted));

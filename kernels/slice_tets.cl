@@ -52,6 +52,12 @@ bool bb_visit_tet(bb_visitor *visitor, uint prim, uint flags, const float3 corne
     if (bb_box_distance(visitor, corners) * 0.999 > visitor->least)
         return false;
 #endif
+    BB_STEP_BY(visitor->tree->recorder, BB_STEP_EXACT, 0);
+#if !BB_HAS_EXACT
+    visitor->least = side.x;
+    visitor->nearest = prim;
+    return false;
+#endif
     bb_solid tet = bb_solid_tet(corners, visitor->centre, unit);
     bb_real distance = bb_tet_distance(&tet) / (unit * unit);
     visitor->tests++;

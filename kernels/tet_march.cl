@@ -45,7 +45,8 @@ kernel void tet_march(BB_LOCATE_PARAMETERS, global const uint *data,
     float dt = march.step / sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
     uint visited = 0, restarts = 0, samples = 0;
     bb_interval_box(vload3(0, march.lo), vload3(0, march.hi), o, d, &entry, &exit);
-#if BB_TET_INTERVAL && BB_LOCATE_OCTREE
+#if !BB_HAS_REGIONS
+#elif BB_TET_INTERVAL && BB_LOCATE_OCTREE
     if (entry <= exit)
         bb_octree_interval(tree.nodes, tree.args.root, &tree.grid, o, d, &entry, &exit,
                            &visited BB_RECORDER_AT(&tree));

@@ -21,6 +21,12 @@ static inline step_sums *sum_steps(const bb_steps *steps)
     return sums;
 }
 
+/* Nodes whose box was tested; where boxes are apart, they have steps of their own. */
+static inline uint32_t tested_nodes(const step_sums *sums, bb_control control)
+{
+    return sums->of[control == BB_UNTIL_LEAF ? BB_STEP_BOX : BB_STEP_NODE];
+}
+
 /* A sample must consist of two runs of the steps of all items. */
 static inline void expect_sample(const bb_steps *steps, const bb_steps *sample)
 {

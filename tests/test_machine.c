@@ -207,6 +207,76 @@ static void samples_read_eight_voxels(void **state)
     expect_issued(&t, BB_ISSUE_BEGIN, 1, 0, 0);
 }
 
+static void trees_in_arrays_are_read_by_their_lists(void **state)
+{
+    (void)state;
+    static const uint32_t tets[] = {2, 0, BB_NONE},
+                          corners[] = {3, 4, 5, 6, 7, 8, 9, 9, 0, 1, 2, 30};
+    const bb_machine m = machine_of(32, 1, 1);
+    const bb_footing f = {.control = BB_UNTIL_LEAF,
+                          .group = 32,
+                          .ring = 8,
+                          .is_link = true,
+                          .result_bytes = 4,
+                          .lists = {.tets = tets,
+                                    .corners = corners,
+                                    .boxes_at = 256,
+                                    .flags_at = 512,
+                                    .corners_at = 256,
+                                    .vertices_at = 512}};
+    no_rays();
+    add_ray("B3N7F0P0"); /* bytes 24 to 47 of boxes; 28 to 35 and 0 to 7 of words */
+    bb_traffic t = run(&m, &f);
+    expect_issued(&t, BB_STEP_BOX, 1, 2, 1);
+    expect_issued(&t, BB_STEP_NODE, 1, 2, 1);
+    expect_issued(&t, BB_STEP_LEAF, 1, 1, 1);
+    /* word 0 of the list, corners of tetrahedron 2, vertices 0 to 2 in two sectors, and 30 */
+    expect_issued(&t, BB_STEP_PRIMS, 1, 1 + 1 + 3, 4);
+    no_rays(); /* a flag alone; a primitive of another kind */
+    add_ray("B3P0");
+    add_ray("B4P2");
+    t = run(&m, &f);
+    expect_issued(&t, BB_STEP_BOX, 1, 3, 2);
+    expect_issued(&t, BB_STEP_PRIMS, 1, 1 + 1 + 3, 4);
+    no_rays(); /* an entry is a link: half as much as elsewhere */
+    add_rays(32, "N0+-");
+    t = run(&m, &f);
+    expect_issued(&t, BB_STEP_PUSH, 1, 4, 1);
+    expect_issued(&t, BB_STEP_POP, 1, 4, 1);
+}
+
+static void searches_in_regions_are_counted_apart(void **state)
+{
+    (void)state;
+    const bb_machine m = machine_of(32, 1, 1);
+    bb_footing f = footing;
+    f.control = BB_IF_ELSE;
+    no_rays();
+    add_rays(20, "N1P1A1N1N1P1XA0N1");
+    add_ray("N1");
+    bb_traffic t = run(&m, &f);
+    assert_int_equal(t.issued[BB_STEP_NODE].count, 4);
+    assert_int_equal(t.in_regions[BB_STEP_NODE].count, 2);
+    assert_int_equal(t.in_regions[BB_STEP_NODE].lanes, 40);
+    assert_int_equal(t.in_regions[BB_STEP_AGAIN].count, 1);
+    assert_int_equal(t.in_regions[BB_STEP_EXACT].lanes, 20);
+    bb_machine two = m; /* the second one's groups are others */
+    two.units = 2;
+    no_rays();
+    add_rays(32, "N1A1N1");
+    add_rays(32, "N1A1N1N1");
+    t = run(&two, &f);
+    assert_int_equal(t.issued[BB_STEP_NODE].count, 5);
+    assert_int_equal(t.in_regions[BB_STEP_NODE].count, 3);
+    no_rays();
+    add_rays(20, "N1P1A1N1N1P1XA0N1");
+    add_ray("N1");
+    f.in_region = true; /* from the beginning */
+    t = run(&m, &f);
+    assert_int_equal(t.in_regions[BB_STEP_NODE].count, 3);
+    assert_int_equal(t.in_regions[BB_STEP_NODE].lanes, 61);
+}
+
 static void caches_find_what_they_hold(void **state)
 {
     (void)state;
@@ -389,6 +459,8 @@ int main(void)
         cmocka_unit_test(sectors_of_a_step_are_distinct),
         cmocka_unit_test(packets_share_their_entries),
         cmocka_unit_test(samples_read_eight_voxels),
+        cmocka_unit_test(trees_in_arrays_are_read_by_their_lists),
+        cmocka_unit_test(searches_in_regions_are_counted_apart),
         cmocka_unit_test(caches_find_what_they_hold),
         cmocka_unit_test(work_groups_are_not_torn_apart),
         cmocka_unit_test(the_second_cache_begins_warm),

@@ -1,5 +1,6 @@
 /* Figures and bounds of simulated traces (framework/simulate/simulate.h), on steps made by hand. */
 #include "framework/judge/queries.h"
+#include "framework/simulate/costs.h"
 #include "framework/simulate/simulate.h"
 #include "tests/made_steps.h"
 
@@ -52,6 +53,39 @@ static void packets_are_bounded_by_traffic_alone(void **state)
     assert_true(s.node_efficiency == 0.5 && s.prim_efficiency == 1.0);
     assert_true(s.steps == 7); /* pop, node, two boxes, push, pop, primitive */
     assert_true(s.in_flight == simt.device.groups);
+}
+
+/* A search in a region has instructions of its own: a node more of them takes as much more time as
+ * the table's row says, whichever the search. */
+static void regions_have_costs_of_their_own(void **state)
+{
+    (void)state;
+    const bb_simt simt = h100();
+    double us[2][2], more[2];
+    bb_costs costs;
+    bb_simulated_code code = {.program = "slice_tets/skip",
+                              .kernel = "slice_tets",
+                              .footing = {.control = BB_IF_ELSE,
+                                          .group = 32,
+                                          .node_bytes = 32,
+                                          .prim_bytes = 52,
+                                          .result_bytes = 12}};
+    ASSERT_OK(bb_costs_find(code.program, code.kernel, simt.device.code, &costs));
+    for (int in_region = 0; in_region < 2; in_region++) {
+        code.footing.in_region = in_region;
+        for (int nodes = 0; nodes < 2; nodes++) {
+            bb_simulation s;
+            no_rays();
+            add_rays(64, nodes ? "N1N1P1" : "N1P1");
+            ASSERT_OK(bb_simulate_code(&simt, &code, &made, &s));
+            us[in_region][nodes] = 64 / s.issue_mrays_s;
+        }
+        more[in_region] = us[in_region][1] - us[in_region][0];
+    }
+    assert_true(costs.in_regions[BB_STEP_EXACT] > costs.in_regions[BB_STEP_PRIMS]);
+    assert_true(costs.in_regions[BB_STEP_NODE] != costs.instructions[BB_STEP_NODE]);
+    ASSERT_NEAR(more[0] / more[1],
+                costs.instructions[BB_STEP_NODE] / costs.in_regions[BB_STEP_NODE], 1e-9);
 }
 
 /* Costs are those of the row that has most of a kernel's options, and no others. */
@@ -165,8 +199,8 @@ static void bounds_are_those_of_the_device(void **state)
     assert_true(simulate(&other).mrays_s == simulate(&other).memory_mrays_s);
 
     /* where instructions are not known, what depends on them is left out */
-    const bb_simulated_code unknown = {.program = "slice_tets/skip",
-                                       .kernel = "slice_tets",
+    const bb_simulated_code unknown = {.program = "collapse.cl",
+                                       .kernel = "collapse_decide",
                                        .footing = {.control = BB_WHILE_WHILE,
                                                    .group = 32,
                                                    .node_bytes = 64,
@@ -191,6 +225,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(costs_are_those_of_the_options),
         cmocka_unit_test(costs_are_those_of_the_primitives),
+        cmocka_unit_test(regions_have_costs_of_their_own),
         cmocka_unit_test(steps_are_those_of_the_group),
         cmocka_unit_test(what_is_not_known_has_no_bound),
         cmocka_unit_test(bounds_are_those_of_the_device),

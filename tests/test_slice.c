@@ -8,6 +8,7 @@
 #include "tests/steps_fixture.h"
 
 static bool small, floats; /* floats: as on a device that has no doubles */
+static uint64_t restarts;  /* of all searches, as recorded */
 
 static uint32_t tets_of(const bb_scene *scene)
 {
@@ -29,31 +30,31 @@ static bb_status launch(void *self, const bb_recording *recording)
     return bb_slice(s->slicer, &s->search, s->boundary, s->args, s->voxels, s->counts);
 }
 
-/* Each voxel's steps at nodes are as many as were counted; with all tetrahedra, each search reads
- * all until it ends. */
+/* Each voxel's steps at nodes are as many as were counted, and so are restarts; with all
+ * tetrahedra, each search reads all until it ends. */
 static void expect_steps(slicing *s, uint32_t count)
 {
-    bb_simulated_code code;
+    bb_simulated_code code = {.kernel = NULL};
     bb_steps steps;
     bb_count *counts = malloc(count * sizeof *counts);
-    if (bb_tet_search_code(&s->search, "slice_tets", &code) != BB_OK) {
-        assert_int_equal(s->search.way, BB_SEARCH_OLBVH);
-        free(counts);
-        return;
-    }
+    check(bb_tet_search_code(&s->search, "slice_tets", &code), "code");
     check(bb_buffer_read(s->counts, 0, count * sizeof *counts, counts), "counts");
     check(bb_steps_record(device, launch, s, count, count, &steps), "steps");
     step_sums *sums = sum_steps(&steps);
     for (uint32_t i = 0; i < count; i++) {
         const uint32_t *of = sums[i].of;
-        assert_int_equal(of[BB_STEP_NODE], counts[i].nodes);
+        assert_int_equal(tested_nodes(&sums[i], code.footing.control), counts[i].nodes);
+        assert_int_equal(of[BB_STEP_RESTART], counts[i].restarts);
+        restarts += of[BB_STEP_RESTART];
         assert_true(of[BB_STEP_AGAIN] <= 1 && of[BB_STEP_POP] <= of[BB_STEP_PUSH]);
+        assert_true(of[BB_STEP_PRIMS] + of[BB_STEP_EXACT] >= counts[i].prims);
         if (of[BB_STEP_AGAIN] == 0)
             assert_int_equal(of[BB_STEP_PRIMS], counts[i].prims);
     }
     free(sums);
     free(counts);
     bb_steps_release(&steps);
+    bb_simulated_code_release(&code);
 }
 
 /* Asks a way twice, counting and not. */
@@ -278,6 +279,26 @@ static void linear_fields_are_continued(void **state)
     bb_scene_free(scene);
 }
 
+/* ---- searches that restart ---- */
+
+/* A voxel as large as a hollow mesh meets more nodes than a short stack has room for. */
+static void large_voxels_restart(void **state)
+{
+    (void)state;
+    bb_scene *scene = NULL;
+    bb_sliced found;
+    check(bb_scene_load("tets:side=6,shape=shell", &scene), "tets");
+    check(bb_scene_upload(scene, device), "tets");
+    bb_slice_plan plan = {.axis = 2, .width = 1, .height = 1, .count = 1};
+    check(bb_slice_plan_check(scene, &plan), "plan");
+    const bb_slice_args args = bb_slice_at(scene, &plan, 0);
+    const tet_way published = {"olbvh", "olbvh", true};
+    restarts = 0;
+    slice(&args, scene, &published, &found);
+    assert_true(found.inside == 0 && restarts > 0);
+    bb_scene_free(scene);
+}
+
 /* ---- what cannot be ---- */
 
 static void plans_that_cannot_be_are_refused(void **state)
@@ -343,11 +364,9 @@ static int set_up(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(material_is_exact_on_lattices),
-        cmocka_unit_test(awkward_meshes_agree),
-        cmocka_unit_test(linear_fields_are_continued),
-        cmocka_unit_test(plans_that_cannot_be_are_refused),
-        cmocka_unit_test(boundaries_need_cells),
+        cmocka_unit_test(material_is_exact_on_lattices),    cmocka_unit_test(awkward_meshes_agree),
+        cmocka_unit_test(linear_fields_are_continued),      cmocka_unit_test(large_voxels_restart),
+        cmocka_unit_test(plans_that_cannot_be_are_refused), cmocka_unit_test(boundaries_need_cells),
     };
     return cmocka_run_group_tests(tests, set_up, close_device);
 }

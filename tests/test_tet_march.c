@@ -8,6 +8,7 @@
 #include "framework/tasks/tet_march.h"
 #include "tests/device_fixture.h"
 #include "tests/locate_all.h"
+#include "tests/steps_fixture.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -50,6 +51,41 @@ static void make_rays(const bb_scene *scene, bb_ray *rays)
     }
 }
 
+typedef struct marching {
+    bb_tet_marcher *marcher;
+    bb_tet_search search;
+    bool interval;
+    const bb_buffer *rays;
+    bb_buffer *lights, *counts;
+} marching;
+
+static bb_status launch(void *self, const bb_recording *recording)
+{
+    marching *m = self;
+    m->search.recording = recording;
+    return bb_tet_march(m->marcher, &m->search, m->interval, m->rays, RAYS, m->lights, m->counts);
+}
+
+/* Each ray's steps at nodes are as many as were counted, restarts and look-ups too. */
+static void expect_steps(marching *m, const bb_count *counts)
+{
+    bb_simulated_code code = {.kernel = NULL};
+    bb_steps steps;
+    check(bb_tet_search_code(&m->search, "tet_march", &code), "code");
+    check(bb_steps_record(device, launch, m, RAYS, RAYS, &steps), "steps");
+    step_sums *sums = sum_steps(&steps);
+    for (uint32_t i = 0; i < RAYS; i++) {
+        const uint32_t *of = sums[i].of;
+        assert_int_equal(tested_nodes(&sums[i], code.footing.control), counts[i].nodes);
+        assert_int_equal(of[BB_STEP_RESTART], counts[i].restarts);
+        assert_int_equal(of[BB_STEP_LOOKUP], counts[i].prims);
+        assert_true(of[BB_STEP_AGAIN] >= of[BB_STEP_LOOKUP]);
+    }
+    free(sums);
+    bb_steps_release(&steps);
+    bb_simulated_code_release(&code);
+}
+
 static void march(bb_scene *scene, bb_tet_marcher *marcher, int way, const bb_buffer *rays,
                   bb_light *lights, bb_count *counts)
 {
@@ -75,6 +111,9 @@ static void march(bb_scene *scene, bb_tet_marcher *marcher, int way, const bb_bu
     check(bb_tet_march(marcher, &how, interval, rays, RAYS, &there, &counted), "march");
     check(bb_buffer_read(&there, 0, RAYS * sizeof *again, again), "lights");
     check(bb_buffer_read(&counted, 0, RAYS * sizeof *counts, counts), "counts");
+    assert_memory_equal(again, lights, RAYS * sizeof *lights);
+    expect_steps(&(marching){marcher, how, interval, rays, &there, &counted}, counts);
+    check(bb_buffer_read(&there, 0, RAYS * sizeof *again, again), "lights");
     assert_memory_equal(again, lights, RAYS * sizeof *lights);
     free(again);
     bb_buffer_release(&there);

@@ -165,6 +165,30 @@ static void looked_up_after_all_have_found(void **state)
     expect_order(BB_IF_ELSE, 0, "b2 A2 N2 P1 N1 N1 P1 L2 A2 N2 P2 L2 e2");
 }
 
+static void leaves_are_found_together(void **state)
+{
+    (void)state;
+    /* a node's boxes, pushes, pops and restarts; a leaf of each ray once all have one */
+    no_rays();
+    add_ray("BNBB+NB-FPPNBFP");
+    add_ray("BNB-NBRNFP");
+    expect_order(BB_UNTIL_LEAF, 8, "b2 B2 N2 B2 B1 +1 -1 N2 B2 -1 R1 N1 F2 P2 P1 N1 B1 F1 P1 e2");
+    /* what is found is looked up when all have found it */
+    no_rays();
+    add_ray("ABNFPLABNFPL");
+    add_ray("ABNBNFPLABNFPL");
+    expect_order(BB_UNTIL_LEAF, 8, "b2 A2 B2 N2 B1 N1 F2 P2 L2 A2 B2 N2 F2 P2 L2 e2");
+}
+
+static void exact_tests_come_after_their_primitive(void **state)
+{
+    (void)state;
+    no_rays();
+    add_ray("NPXPPXNPX");
+    add_ray("NPPXPNP");
+    expect_order(BB_IF_ELSE, 0, "b2 N2 P2 X1 P2 X1 P2 X1 N2 P2 X1 e2");
+}
+
 static void rays_wait_for_their_group(void **state)
 {
     (void)state;
@@ -199,6 +223,8 @@ int main(void)
         cmocka_unit_test(samples_are_taken_together),
         cmocka_unit_test(searches_begin_together),
         cmocka_unit_test(looked_up_after_all_have_found),
+        cmocka_unit_test(leaves_are_found_together),
+        cmocka_unit_test(exact_tests_come_after_their_primitive),
         cmocka_unit_test(rays_wait_for_their_group),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

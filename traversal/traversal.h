@@ -198,6 +198,9 @@ typedef enum bb_control {
     /* of each packet a pop; primitives, or a node and its boxes one by one; rays that go on alone,
      * as while-while; and so on */
     BB_PACKETS,
+    /* a node, its children's boxes one by one, pushes or a pop, until each has a leaf; one leaf's
+     * primitives; and so on */
+    BB_UNTIL_LEAF,
 } bb_control;
 
 typedef struct bb_kernel {

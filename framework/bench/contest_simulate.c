@@ -58,20 +58,29 @@ static bb_status check_answers(bb_contest *c, const bb_contest_runner *r, uint32
                          c->request->name, r->way->builder, r->way->search);
 }
 
-static bb_status simulate(bb_contest *c, const bb_contest_runner *way, uint32_t items)
+static bb_status replay(bb_contest *c, const bb_contest_runner *way, uint32_t items,
+                        const bb_simulated_code *code)
 {
     const bb_contest_request *request = c->request;
     bb_contest_runner runner = *way;
-    bb_simulated_code code = {.program = ""};
     bb_steps steps;
     asked self = {c, &runner, items};
-    BB_TRY(describe(c, &runner, &code));
     BB_TRY(by_ordered_layouts(c, &runner));
     BB_TRY(bb_steps_record(request->device, launch, &self, items, BB_SIMT_RAYS, &steps));
     bb_status status = check_answers(c, way, items);
     for (uint32_t i = 0; i < request->simt_count && status == BB_OK; i++)
-        status = bb_simulate_code(&request->simts[i], &code, &steps, &way->way->simulations[i]);
+        status = bb_simulate_code(&request->simts[i], code, &steps, &way->way->simulations[i]);
     bb_steps_release(&steps);
+    return status;
+}
+
+static bb_status simulate(bb_contest *c, const bb_contest_runner *way, uint32_t items)
+{
+    bb_simulated_code code = {.program = ""};
+    bb_status status = describe(c, way, &code);
+    if (status == BB_OK)
+        status = replay(c, way, items, &code);
+    bb_simulated_code_release(&code);
     return status;
 }
 

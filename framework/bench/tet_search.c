@@ -160,33 +160,6 @@ bb_tet_counting bb_tet_counting_for(const bb_tet_search *search, const bb_buffer
                                      : BB_TET_PLAIN;
 }
 
-bb_status bb_tet_search_code(const bb_tet_search *search, const char *kernel,
-                             bb_simulated_code *code)
-{
-    static const struct {
-        const char *name;
-        uint32_t node_bytes;
-    } ways[BB_SEARCH_WAYS] = {[BB_SEARCH_SKIP] = {"skip", sizeof(bb_node)},
-                              [BB_SEARCH_OCTREE] = {"octree", 2 * sizeof(bb_u32)},
-                              [BB_SEARCH_ALL] = {"all", 0}};
-    if (ways[search->way].name == NULL)
-        return bb_fail(BB_UNSUPPORTED, "the steps of this search are not recorded");
-    snprintf(code->program, sizeof code->program, "%s/%s", kernel, ways[search->way].name);
-    code->kernel = kernel;
-    bb_footing *f = &code->footing;
-    *f = (bb_footing){.control = BB_IF_ELSE,
-                      .group = BB_TET_GROUP,
-                      .node_bytes = ways[search->way].node_bytes,
-                      .prim_bytes = search->args.words * (uint32_t)sizeof(bb_u32)};
-    if (search->way == BB_SEARCH_ALL) {
-        f->prims_bytes = (uint64_t)search->scene->prims[BB_TETRAHEDRON].count * f->prim_bytes;
-    } else {
-        f->nodes_bytes = search->data->bytes - search->data->prims_bytes;
-        f->prims_bytes = search->data->prims_bytes;
-    }
-    return BB_OK;
-}
-
 bool bb_device_has_doubles(const bb_device *device)
 {
     cl_device_fp_config config = 0;

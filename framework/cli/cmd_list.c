@@ -252,7 +252,7 @@ enum { KIND_COUNT = sizeof kinds / sizeof kinds[0] };
 /* Prints kernels/isa.tsv in columns: the first pass measures widths, the second prints. */
 static void print_isa(void)
 {
-    enum { COLUMNS_MAX = 32 };
+    enum { COLUMNS_MAX = 48 };
     int widths[COLUMNS_MAX] = {0};
     for (int pass = 0; pass < 2; pass++) {
         const char *line = bb_source_find("isa.tsv")->text;

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { COLUMNS_MOST = 32, CELL_MOST = 64 };
+enum { COLUMNS_MOST = 48, CELL_MOST = 64 };
 
 /* A table of tab-separated columns: comments, a line of headings, rows. */
 typedef struct row {
@@ -101,22 +101,28 @@ static bool find_row(const char *program, const char *kernel, row *headings, row
 
 static bool find_program(const char *program, const char *kernel, const char *code, bb_costs *costs)
 {
-    static const char *const columns[BB_ISSUE_KINDS] = {
-        [BB_STEP_NODE] = "step_node",       [BB_STEP_PUSH] = "step_push",
-        [BB_STEP_PRIMS] = "step_prims",     [BB_STEP_POP] = "step_pop",
-        [BB_STEP_RESTART] = "step_restart", [BB_STEP_SAMPLE] = "step_sample",
-        [BB_STEP_AGAIN] = "step_again",     [BB_ISSUE_BEGIN] = "step_begin"};
+    static const char *const kinds[BB_ISSUE_KINDS] = {
+        [BB_STEP_NODE] = "node",   [BB_STEP_PUSH] = "push",       [BB_STEP_PRIMS] = "prims",
+        [BB_STEP_POP] = "pop",     [BB_STEP_RESTART] = "restart", [BB_STEP_SAMPLE] = "sample",
+        [BB_STEP_AGAIN] = "again", [BB_STEP_BOX] = "box",         [BB_STEP_LEAF] = "leaf",
+        [BB_STEP_EXACT] = "exact", [BB_ISSUE_BEGIN] = "begin"};
     row headings, r;
     char column[32];
     if (!find_row(program, kernel, &headings, &r))
         return false;
-    for (uint32_t k = 0; k < BB_ISSUE_KINDS; k++)
-        costs->instructions[k] =
-            columns[k] != NULL ? strtod(cell_of(&headings, &r, columns[k]), NULL) : 0;
+    for (uint32_t k = 0; k < BB_ISSUE_KINDS; k++) {
+        costs->instructions[k] = costs->in_regions[k] = 0;
+        if (kinds[k] == NULL)
+            continue;
+        snprintf(column, sizeof column, "step_%s", kinds[k]);
+        costs->instructions[k] = strtod(cell_of(&headings, &r, column), NULL);
+        snprintf(column, sizeof column, "region_%s", kinds[k]);
+        costs->in_regions[k] = strtod(cell_of(&headings, &r, column), NULL);
+    }
+    costs->in_regions[BB_ISSUE_BEGIN] = costs->instructions[BB_ISSUE_BEGIN];
     snprintf(column, sizeof column, strcmp(code, "sm_90") == 0 ? "%s_registers" : "%s_vgprs", code);
     costs->registers = (uint32_t)strtoul(cell_of(&headings, &r, column), NULL, 10);
-    costs->counted =
-        costs->instructions[BB_STEP_NODE] > 0 || costs->instructions[BB_STEP_SAMPLE] > 0;
+    costs->counted = costs->instructions[BB_ISSUE_BEGIN] > 0;
     return costs->registers > 0;
 }
 

@@ -9,8 +9,9 @@ typedef struct bb_costs {
     /* of a group for each step of a kind: all of its loop, once, those in branches too; of
      * BB_ISSUE_BEGIN: all outside of loops */
     double instructions[BB_ISSUE_KINDS];
-    bool counted;       /* instructions are known; of searches of tetrahedra registers alone are */
-    uint32_t registers; /* of a ray */
+    double in_regions[BB_ISSUE_KINDS]; /* likewise, in searches for what meets a region */
+    bool counted;                      /* instructions are known, not registers alone */
+    uint32_t registers;                /* of a ray */
 } bb_costs;
 
 /* Finds those of a kernel in a program, a specification: in the row that has most of its options,

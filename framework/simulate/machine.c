@@ -123,6 +123,8 @@ static void add_unit(const bb_traffic *unit, bb_traffic *sum)
         sum->issued[k].lanes += unit->issued[k].lanes;
         sum->issued[k].sectors += unit->issued[k].sectors;
         sum->issued[k].lines += unit->issued[k].lines;
+        sum->in_regions[k].count += unit->in_regions[k].count;
+        sum->in_regions[k].lanes += unit->in_regions[k].lanes;
     }
     sum->groups += unit->groups;
     sum->left += unit->left;

@@ -1,6 +1,7 @@
 #include "framework/simulate/simulate.h"
 
 #include "framework/base/arithmetic.h"
+#include "framework/base/memory.h"
 #include "framework/simulate/costs.h"
 
 #include <math.h>
@@ -138,8 +139,11 @@ static void find_issue(const bb_simt *simt, const bb_costs *costs, bb_simulation
     const double clock = d->clock_ghz * 1e9, turns = ceil(simt->width / d->lanes);
     double instructions = 0, active = 0;
     for (uint32_t k = 0; k < BB_ISSUE_KINDS; k++) {
-        instructions += (double)t->issued[k].count * costs->instructions[k];
-        active += (double)t->issued[k].lanes * costs->instructions[k];
+        const double in_regions = costs->in_regions[k] - costs->instructions[k];
+        instructions += (double)t->issued[k].count * costs->instructions[k] +
+                        (double)t->in_regions[k].count * in_regions;
+        active += (double)t->issued[k].lanes * costs->instructions[k] +
+                  (double)t->in_regions[k].lanes * in_regions;
     }
     s->efficiency = instructions > 0 ? active / (instructions * simt->width) : (double)NAN;
     s->issue_mrays_s = bound(s, instructions * turns / (d->units * d->issues_per_clock * clock));
@@ -180,6 +184,12 @@ bool bb_simulates_bounds(const bb_kernel *kernel, uint32_t kinds)
 {
     return programs_of(kinds) != NULL && kernel->control != BB_CONTROL_UNKNOWN &&
            kernel->control != BB_PACKETS;
+}
+
+void bb_simulated_code_release(bb_simulated_code *code)
+{
+    bb_host_free(code->listed);
+    code->listed = NULL;
 }
 
 bb_status bb_simulate_code(const bb_simt *simt, const bb_simulated_code *code,

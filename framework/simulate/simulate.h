@@ -65,7 +65,10 @@ typedef struct bb_simulated_code {
     char program[512];  /* of its row in kernels/isa.tsv, perhaps with options */
     const char *kernel; /* NULL: none of the rows is of its code */
     bb_footing footing;
+    uint32_t *listed; /* what footing.lists.tets is; NULL: nothing */
 } bb_simulated_code;
+
+void bb_simulated_code_release(bb_simulated_code *code); /* a zeroed one is allowed */
 
 /* Simulates recorded steps of any kernel. Where the instructions of its steps are not known, what
  * depends on them is left out: `mrays_s`, `issue_mrays_s`, `efficiency`. BB_UNSUPPORTED if

@@ -11,6 +11,10 @@ enum {
     /* sectors of a step: each lane reads a node of 256 bytes or two words */
     SECTORS_MOST = BB_WARP_MOST * 16,
     SAMPLE_PAIRS = 4, /* of voxels beside each other along x */
+    WORD_BYTES = 4,
+    BOX_BYTES = 24,
+    VERTEX_BYTES = 12,
+    TET_CORNERS = 4,
     /* requests of a sector: it is fetched, and a line of written ones gives way */
     REQUESTS_MOST = 1 + BB_LINE_SECTORS
 };
@@ -33,22 +37,35 @@ static uint32_t sort_unique(uint64_t *values, uint32_t count)
     return kept;
 }
 
-/* Gets the distinct sectors of items [bytes] of an array that the lanes name. */
-static uint32_t sectors_from(const bb_issue *issue, uint32_t array, uint32_t stride, uint32_t bytes,
-                             uint64_t *sectors)
+static uint64_t base_of(uint32_t array)
 {
-    uint64_t items[BB_WARP_MOST];
-    uint32_t count = 0, n = 0;
-    for (uint64_t rest = issue->lanes; rest != 0; rest &= rest - 1)
-        items[count++] = issue->index[__builtin_ctzll(rest)];
+    return (uint64_t)array << BB_BASE_SHIFT;
+}
+
+/* Gets the distinct sectors of items [bytes] of the array at address `base`; sorts the items. */
+static uint32_t sectors_at(uint64_t base, uint32_t stride, uint32_t bytes, uint64_t *items,
+                           uint32_t count, uint64_t *sectors)
+{
+    uint32_t n = 0;
     count = sort_unique(items, count);
     for (uint32_t i = 0; i < count; i++) {
-        const uint64_t at = ((uint64_t)array << BB_BASE_SHIFT) + items[i] * stride;
+        const uint64_t at = base + items[i] * stride;
         for (uint64_t s = at / BB_SECTOR_BYTES; s <= (at + bytes - 1) / BB_SECTOR_BYTES; s++)
             if (n == 0 || sectors[n - 1] < s)
                 sectors[n++] = s;
     }
     return n;
+}
+
+/* The same of items that the lanes name. */
+static uint32_t sectors_from(const bb_issue *issue, uint32_t array, uint32_t stride, uint32_t bytes,
+                             uint64_t *sectors)
+{
+    uint64_t items[BB_WARP_MOST];
+    uint32_t count = 0;
+    for (uint64_t rest = issue->lanes; rest != 0; rest &= rest - 1)
+        items[count++] = issue->index[__builtin_ctzll(rest)];
+    return sectors_at(base_of(array), stride, bytes, items, count, sectors);
 }
 
 static uint32_t sectors_of(const bb_issue *issue, uint32_t array, uint32_t bytes, uint64_t *sectors)
@@ -71,13 +88,62 @@ static uint32_t sectors_of_samples(const bb_issue *issue, const bb_footing *f, u
     return sort_unique(sectors, n);
 }
 
+/* The same of boxes that are apart from their nodes, or of flags where these suffice. */
+static uint32_t sectors_of_boxes(const bb_issue *issue, const bb_footing_lists *lists,
+                                 uint64_t *sectors)
+{
+    uint64_t boxes[BB_WARP_MOST], flags[BB_WARP_MOST];
+    uint32_t box_count = 0, flag_count = 0;
+    for (uint64_t rest = issue->lanes; rest != 0; rest &= rest - 1) {
+        const uint32_t child = issue->index[__builtin_ctzll(rest)];
+        if ((child & 1) != 0)
+            boxes[box_count++] = child >> 1;
+        else
+            flags[flag_count++] = child >> 1;
+    }
+    const uint64_t base = base_of(BB_AT_NODES);
+    uint32_t n =
+        sectors_at(base + lists->boxes_at, BOX_BYTES, BOX_BYTES, boxes, box_count, sectors);
+    return n + sectors_at(base + lists->flags_at, 1, 1, flags, flag_count, sectors + n);
+}
+
+/* The same of tetrahedra in lists. */
+static uint32_t sectors_of_tets(const bb_issue *issue, const bb_footing_lists *lists,
+                                uint64_t *sectors)
+{
+    uint64_t tets[BB_WARP_MOST], vertices[BB_WARP_MOST * TET_CORNERS];
+    uint32_t tet_count = 0, vertex_count = 0;
+    for (uint64_t rest = issue->lanes; rest != 0; rest &= rest - 1) {
+        const uint32_t tet = lists->tets[issue->index[__builtin_ctzll(rest)]];
+        if (tet == BB_NONE)
+            continue;
+        tets[tet_count++] = tet;
+        for (uint32_t c = 0; c < TET_CORNERS; c++)
+            vertices[vertex_count++] = lists->corners[(size_t)TET_CORNERS * tet + c];
+    }
+    const uint64_t base = base_of(BB_AT_PRIMS);
+    uint32_t n = sectors_from(issue, BB_AT_PRIMS, WORD_BYTES, WORD_BYTES, sectors);
+    n += sectors_at(base + lists->corners_at, TET_CORNERS * WORD_BYTES, TET_CORNERS * WORD_BYTES,
+                    tets, tet_count, sectors + n);
+    return n + sectors_at(base + lists->vertices_at, VERTEX_BYTES, VERTEX_BYTES, vertices,
+                          vertex_count, sectors + n);
+}
+
+/* The same of nodes, boxes and leaves of a tree in arrays. */
+static uint32_t sectors_of_arrays(const bb_issue *issue, const bb_footing_lists *lists,
+                                  uint64_t *sectors)
+{
+    if (issue->kind == BB_STEP_BOX)
+        return sectors_of_boxes(issue, lists, sectors);
+    return sectors_from(issue, BB_AT_NODES, WORD_BYTES, 2 * WORD_BYTES, sectors);
+}
+
 /* The same of stack entries, whose words lie side by side for all lanes of a slot. */
 static uint32_t sectors_of_stack(const bb_issue *issue, uint32_t width, uint64_t slot,
                                  uint64_t *sectors)
 {
     uint32_t n = 0;
-    const uint64_t base = ((uint64_t)BB_AT_PRIVATE << BB_BASE_SHIFT) +
-                          slot * ENTRIES_MOST * BB_ENTRY_WORDS * width * 4;
+    const uint64_t base = base_of(BB_AT_PRIVATE) + slot * ENTRIES_MOST * BB_ENTRY_WORDS * width * 4;
     for (uint32_t i = 0; i < width; i++)
         for (uint32_t word = 0; word < BB_ENTRY_WORDS; word++) {
             if ((issue->words[word] >> i & 1) == 0)
@@ -130,7 +196,7 @@ static bool make_room(bb_unit *u, size_t more)
 
 /* ---- groups ---- */
 
-static void issue_step(bb_unit *u, uint64_t slot, const bb_issue *issue)
+static void issue_step(bb_unit *u, uint32_t slot, const bb_issue *issue)
 {
     const bb_footing *f = u->footing;
     uint64_t sectors[SECTORS_MOST], line = UINT64_MAX;
@@ -138,10 +204,13 @@ static void issue_step(bb_unit *u, uint64_t slot, const bb_issue *issue)
     switch (issue->kind) {
     case BB_STEP_NODE:
     case BB_STEP_BOX:
-        count = sectors_of(issue, BB_AT_NODES, f->node_bytes, sectors);
+    case BB_STEP_LEAF:
+        count = f->lists.tets != NULL ? sectors_of_arrays(issue, &f->lists, sectors)
+                                      : sectors_of(issue, BB_AT_NODES, f->node_bytes, sectors);
         break;
     case BB_STEP_PRIMS:
-        count = sectors_of(issue, BB_AT_PRIMS, f->prim_bytes, sectors);
+        count = f->lists.tets != NULL ? sectors_of_tets(issue, &f->lists, sectors)
+                                      : sectors_of(issue, BB_AT_PRIMS, f->prim_bytes, sectors);
         break;
     case BB_ISSUE_BEGIN:
         count = f->item_bytes > 0 ? sectors_of(issue, BB_AT_RAYS, f->item_bytes, sectors) : 0;
@@ -151,7 +220,8 @@ static void issue_step(bb_unit *u, uint64_t slot, const bb_issue *issue)
         break;
     case BB_STEP_PUSH:
     case BB_STEP_POP:
-        count = sectors_of_stack(issue, u->machine->width, slot, sectors);
+        count = sectors_of_stack(issue, u->machine->width,
+                                 (uint64_t)u->number * u->machine->in_flight + slot, sectors);
         break;
     case BB_STEP_SAMPLE:
         count = sectors_of_samples(issue, f, sectors);
@@ -166,6 +236,10 @@ static void issue_step(bb_unit *u, uint64_t slot, const bb_issue *issue)
     sum->count++;
     sum->lanes += (unsigned)__builtin_popcountll(issue->lanes);
     sum->sectors += count;
+    if (u->slots[slot].in_region) {
+        u->traffic.in_regions[issue->kind].count++;
+        u->traffic.in_regions[issue->kind].lanes += (unsigned)__builtin_popcountll(issue->lanes);
+    }
     const bool write = issue->kind == BB_STEP_PUSH || issue->kind == BB_ISSUE_END;
     for (uint32_t i = 0; i < count; i++) {
         sum->lines += sectors[i] / BB_LINE_SECTORS != line;
@@ -204,7 +278,7 @@ static void take_turn(bb_unit *u)
         if (!u->busy[s])
             continue;
         if (bb_warp_next(&u->slots[s], &issue)) {
-            issue_step(u, (uint64_t)u->number * slots + s, &issue);
+            issue_step(u, s, &issue);
             u->issued[s] += issue.kind < BB_STEP_KINDS;
             return;
         }

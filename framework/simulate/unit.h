@@ -46,6 +46,9 @@ typedef struct bb_traffic {
     uint64_t left;      /* recorded steps that were not taken */
     uint64_t ray_steps; /* steps that each ray's group issued, summed over the rays */
     bb_issued issued[BB_ISSUE_KINDS];
+    struct {
+        uint64_t count, lanes;
+    } in_regions[BB_ISSUE_KINDS]; /* of these, in searches for what meets a region */
     uint64_t first, first_hits;   /* sectors asked of the first caches; found there */
     uint64_t second, second_hits; /* likewise, of the second one: reads */
     uint64_t second_written;      /* sectors written to it */

@@ -34,8 +34,12 @@ static void look_ahead(bb_warp *warp, uint32_t lane)
 void bb_warp_start(bb_warp *warp, const bb_steps *steps, const bb_footing *footing, uint32_t first,
                    uint32_t lanes)
 {
-    *warp = (bb_warp){
-        .steps = steps, .footing = footing, .first = first, .lanes = lanes, .turn = TURN_BEGIN};
+    *warp = (bb_warp){.steps = steps,
+                      .footing = footing,
+                      .first = first,
+                      .lanes = lanes,
+                      .turn = TURN_BEGIN,
+                      .in_region = footing->in_region};
     for (uint32_t i = 0; i < lanes; i++) {
         warp->next[i] = first + i > 0 ? steps->ends[first + i - 1] : 0;
         warp->end[i] = steps->ends[first + i];
@@ -59,6 +63,8 @@ static bool take(bb_warp *warp, bb_issue *issue, uint32_t kind, uint64_t lanes)
 {
     issue->kind = kind;
     issue->lanes = issue->words[0] = issue->words[1] = lanes;
+    if (warp->footing->is_link)
+        issue->words[1] = 0;
     warp->at[kind] &= ~lanes;
     for (uint64_t rest = lanes; rest != 0; rest &= rest - 1) {
         const uint32_t i = (uint32_t)__builtin_ctzll(rest);
@@ -67,8 +73,10 @@ static bool take(bb_warp *warp, bb_issue *issue, uint32_t kind, uint64_t lanes)
             issue->index[i] = place(warp, warp->top[i]++);
         else if (kind == BB_STEP_POP)
             issue->index[i] = place(warp, --warp->top[i]);
-        else if (kind == BB_STEP_AGAIN)
+        else if (kind == BB_STEP_AGAIN) {
             warp->top[i] = 0;
+            warp->in_region = issue->index[i] != 0;
+        }
         look_ahead(warp, i);
     }
     return true;
@@ -125,6 +133,23 @@ static bool ends_of_rays(bb_warp *warp, bb_issue *issue, uint32_t kind, uint32_t
     return true;
 }
 
+/* Whether what a search finds is looked up when all have found it. */
+static bool finds_first(const bb_warp *warp)
+{
+    return is_of(warp, BB_IF_ELSE) || is_of(warp, BB_UNTIL_LEAF);
+}
+
+/* The turn that comes after the last pop. */
+static uint32_t after_pops(const bb_warp *warp)
+{
+    const uint64_t nodes = warp->at[BB_STEP_NODE] | warp->at[BB_STEP_BOX] | warp->at[BB_STEP_POP];
+    const uint64_t leaves = warp->at[BB_STEP_LEAF] | warp->at[BB_STEP_PRIMS];
+    return nodes != 0                   ? BB_STEP_NODE
+           : leaves == 0                ? TURN_PACKET_POP
+           : is_of(warp, BB_UNTIL_LEAF) ? BB_STEP_LEAF
+                                        : BB_STEP_NODE;
+}
+
 /* The turn that comes when no ray takes samples. */
 static uint32_t after_samples(const bb_warp *warp)
 {
@@ -143,23 +168,44 @@ bool bb_warp_next(bb_warp *warp, bb_issue *issue)
             lanes = warp->pushing = warp->at[BB_STEP_NODE];
             if (is_of(warp, BB_IF_ELSE))
                 warp->popping = warp->at[BB_STEP_POP];
-            warp->turn = lanes != 0 ? BB_STEP_PUSH : BB_STEP_PRIMS;
+            warp->turn = is_of(warp, BB_UNTIL_LEAF) ? BB_STEP_BOX
+                         : lanes != 0               ? BB_STEP_PUSH
+                                                    : BB_STEP_PRIMS;
             if (lanes != 0)
                 return take(warp, issue, BB_STEP_NODE, lanes);
+            break;
+        case BB_STEP_BOX:
+            lanes = warp->at[BB_STEP_BOX];
+            if (lanes != 0)
+                return take(warp, issue, BB_STEP_BOX, lanes);
+            warp->turn = BB_STEP_PUSH;
             break;
         case BB_STEP_PUSH:
             lanes = warp->pushing & warp->at[BB_STEP_PUSH];
             if (lanes != 0)
                 return take(warp, issue, BB_STEP_PUSH, lanes);
             warp->turn = is_of(warp, BB_WHILE_WHILE) || is_of(warp, BB_PACKETS) ? BB_STEP_NODE
+                         : is_of(warp, BB_UNTIL_LEAF)                           ? BB_STEP_POP
                                                                                 : BB_STEP_PRIMS;
+            break;
+        case BB_STEP_LEAF:
+            lanes = warp->at[BB_STEP_LEAF];
+            warp->turn = BB_STEP_PRIMS;
+            if (lanes != 0)
+                return take(warp, issue, BB_STEP_LEAF, lanes);
             break;
         case BB_STEP_PRIMS:
             lanes = warp->at[BB_STEP_PRIMS];
-            if (lanes == 0 || is_of(warp, BB_IF_IF_BY_LEAF))
-                warp->turn = BB_STEP_SAMPLE;
+            warp->turn =
+                lanes == 0 || is_of(warp, BB_IF_IF_BY_LEAF) ? BB_STEP_SAMPLE : BB_STEP_EXACT;
             if (lanes != 0)
                 return take(warp, issue, BB_STEP_PRIMS, lanes);
+            break;
+        case BB_STEP_EXACT:
+            lanes = warp->at[BB_STEP_EXACT];
+            warp->turn = BB_STEP_PRIMS;
+            if (lanes != 0)
+                return take(warp, issue, BB_STEP_EXACT, lanes);
             break;
         case BB_STEP_SAMPLE:
             lanes = warp->at[BB_STEP_SAMPLE];
@@ -168,7 +214,7 @@ bool bb_warp_next(bb_warp *warp, bb_issue *issue)
                 return take(warp, issue, BB_STEP_SAMPLE, lanes);
             break;
         case BB_STEP_LOOKUP:
-            lanes = is_of(warp, BB_IF_ELSE) ? 0 : warp->at[BB_STEP_LOOKUP];
+            lanes = finds_first(warp) ? 0 : warp->at[BB_STEP_LOOKUP];
             warp->turn = after_samples(warp);
             if (lanes != 0) {
                 warp->turn = BB_STEP_SAMPLE;
@@ -186,8 +232,7 @@ bool bb_warp_next(bb_warp *warp, bb_issue *issue)
                 return take(warp, issue, BB_STEP_POP, lanes);
             if (warp->restarting != 0)
                 break;
-            lanes = warp->at[BB_STEP_NODE] | warp->at[BB_STEP_PRIMS] | warp->at[BB_STEP_POP];
-            warp->turn = lanes != 0 ? BB_STEP_NODE : TURN_PACKET_POP;
+            warp->turn = after_pops(warp);
             break;
         case BB_STEP_RESTART:
             lanes = warp->restarting;
@@ -223,7 +268,7 @@ bool bb_warp_next(bb_warp *warp, bb_issue *issue)
                 return true;
             break;
         case BB_STEP_AGAIN:
-            lanes = warp->at[BB_STEP_LOOKUP]; /* if-else: of what all have found */
+            lanes = warp->at[BB_STEP_LOOKUP]; /* of what all have found */
             if (lanes != 0)
                 return take(warp, issue, BB_STEP_LOOKUP, lanes);
             lanes = warp->at[BB_STEP_AGAIN];

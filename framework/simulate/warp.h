@@ -6,13 +6,20 @@
  *
  *   loop: nodes: while a ray that has not left this loop is at a node: these take it, then push
  *                (if-if, if-else: once)
- *         primitives: while a ray is at one (by leaf: once)
+ *         primitives: while a ray is at one (by leaf: once): these, then those that test it exactly
  *         samples: while a ray takes one: these take it, then look its values up
  *                  (by leaf: on to primitives, while a ray is at one)
  *         pops: while a ray pops or restarts: these pop, then those restart (if-else: once those
  *               pop that began the iteration with it)
- *   again: (if-else: all look up what they have found) all rays that need another search begin it,
- *          with samples if they take some first
+ *   again: (if-else, until leaf: all look up what they have found) all rays that need another
+ *          search begin it, with samples if they take some first
+ *
+ * Until each ray has a leaf, or no node is left (until leaf):
+ *
+ *   loop: nodes: while a ray is at one: these take it; while one of them has a child to test: a box
+ *                of each that has; while one of them pushes: these push; those that pop or restart
+ *                do so once
+ *         all that have a leaf go to it; primitives: while a ray is at one, as above
  *
  * A group may hold several packets, whose rays follow each other. Those that are together with
  * their packet take its steps, of which they are active in some; those that have left it are as
@@ -34,7 +41,7 @@
 
 enum {
     BB_WARP_MOST = 64,  /* lanes */
-    BB_ENTRY_WORDS = 2, /* words of private memory that a stack entry takes in each lane */
+    BB_ENTRY_WORDS = 2, /* words of private memory for a stack entry in each lane, at most */
 };
 
 /* Kinds of what is issued: those of steps, and a ray's beginning and end. */
@@ -44,7 +51,8 @@ enum { BB_ISSUE_BEGIN = BB_STEP_KINDS, BB_ISSUE_END, BB_ISSUE_KINDS };
 typedef struct bb_issue {
     uint32_t kind;
     uint64_t lanes; /* bit i: lane i is active */
-    /* of each active lane: the node, the primitive, the place of the stack entry, the ray */
+    /* of each active lane: the node, the primitive, the place of the stack entry, the ray; of a
+     * box apart as BB_STEP_CHILD() has it */
     uint32_t index[BB_WARP_MOST];
     /* of a stack entry: the lanes whose first word is read or written, and whose second one. Of a
      * packet the first words are all distances, active or not; the second ones of its first two
@@ -57,6 +65,7 @@ typedef struct bb_warp {
     const bb_footing *footing;
     uint32_t first, lanes;             /* its rays */
     uint32_t turn;                     /* kind whose turn it is */
+    bool in_region;                    /* its search is for what meets a region */
     uint64_t at[BB_STEP_KINDS];        /* lanes whose next step is of this kind, and their own */
     uint64_t of_packet[BB_STEP_KINDS]; /* likewise, their packet's */
     uint64_t together;                 /* lanes that are with their packet */

@@ -25,6 +25,7 @@ static bb_status code_of(void *self, const bb_contest_runner *runner, bb_simulat
     code->footing.item_bytes = sizeof(bb_ray);
     code->footing.result_bytes = sizeof(bb_light);
     code->footing.entry_bytes = sizeof(bb_transfer_entry);
+    code->footing.in_region = runner->by_boundary; /* where the ray may be inside */
     return BB_OK;
 }
 
