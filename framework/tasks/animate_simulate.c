@@ -52,8 +52,8 @@ static bb_status simulate_set(const bb_animate *a, const bb_traverser_request *r
     return status;
 }
 
-/* Makes the kernel's layout for simulations. It does not follow from frame to frame as those do that
- * are timed: an update may number its tree by which thread came first. */
+/* Makes the kernel's layout for simulations. It does not follow from frame to frame, as those do
+ * that are timed: an update may number its tree by which thread came first. */
 static bb_status make_layout(const bb_animate *a, bb_animate_runner *runner, uint32_t k)
 {
     bb_layout_maker *maker = &runner->simulated_makers[k];
