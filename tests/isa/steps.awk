@@ -1,12 +1,12 @@
 # Instructions of each step of a traversal, from assembly for gfx1030 in which BB_MARKING has left a
-# comment at each: NAME KERNEL COLUMN VALUE, the column's name with `prefix`. A step costs all instructions of the loop that it is in,
-# but for those of loops inside. If a loop has steps of several kinds, the first has them all: node,
-# prims, pop, push, restart, sample, again; of several loops with samples the longest counts. Loops
-# without a step belong to the step that they are inside of; those right around a step's loop, also
-# if another search begins there, to the pops, or the nodes; others, and what is in no loop, to a
-# ray's beginning. In searches of tetrahedra (`prefix` is given) the longest loop of each kind counts,
-# since loops are there twice for trees of one node, and one in which another search begins has what
-# is done with the answer.
+# comment at each: NAME KERNEL COLUMN VALUE, where COLUMN is step_KIND. A step costs all instructions
+# of the loop that it is in, but for those of loops inside. If a loop has steps of several kinds, the
+# first has them all: node, prims, pop, push, restart, sample, again; of several loops with samples
+# the longest counts. Loops without a step belong to the step that they are inside of; those right
+# around a step's loop, also if another search begins there, to the pops, or the nodes; others, and
+# what is in no loop, to a ray's beginning. In searches of tetrahedra (`prefix` is given, and COLUMN
+# is prefix_KIND) the longest loop of each kind counts, since loops are there twice for trees of one
+# node, and one in which another search begins has what is done with the answer.
 /^[A-Za-z_][A-Za-z0-9_]*:/ {
     name_of = $1
     sub(/:.*/, "", name_of)
