@@ -62,7 +62,13 @@ bool bb_visit_tet(bb_visitor *visitor, uint prim, uint flags, const float3 corne
     bb_solid own = bb_solid_tet(visitor->corners, origin, unit);
     bb_solid other = bb_solid_tet(corners, origin, unit);
     visitor->tests++;
-    return bb_overlap_corner(visitor, flags, corners) || bb_tets_meet(&own, &other);
+    if (bb_overlap_corner(visitor, flags, corners))
+        return true;
+    BB_STEP_BY(visitor->tree->recorder, BB_STEP_FURTHER, 0);
+#if !BB_HAS_FURTHER
+    return side.x > corners[0].x;
+#endif
+    return bb_tets_meet(&own, &other);
 }
 
 /* Returns whether it certainly contains the centre of a cell. */

@@ -63,6 +63,12 @@ bool bb_visit_tet(bb_visitor *visitor, uint prim, uint flags, const float3 corne
     visitor->tests++;
     if (distance > visitor->least || (distance == visitor->least && prim > visitor->nearest))
         return false;
+    BB_STEP_BY(visitor->tree->recorder, BB_STEP_FURTHER, 0);
+#if !BB_HAS_FURTHER
+    visitor->least = distance;
+    visitor->nearest = prim;
+    return false;
+#endif
     bb_solid box = bb_solid_box(visitor->lo, visitor->hi, visitor->centre, unit);
     if (!bb_tet_meets_box(&tet, &box))
         return false;

@@ -22,6 +22,7 @@ enum {
                       * meets a region, a box or a ray; or else 0 */
     BB_STEP_LEAF,    /* goes to a leaf, one of those that a node has; its index */
     BB_STEP_EXACT,   /* tests a primitive at length, whose box did not suffice; 0 */
+    BB_STEP_FURTHER, /* goes on with an exact test whose first part did not suffice; 0 */
     BB_STEP_KINDS,
     BB_STEP_MARK /* no step: 1: the ray joins its packet, 0: it leaves it */
 };

@@ -19,11 +19,11 @@ static inline void no_rays(void)
 }
 
 /* Kinds of steps by their letters, then of a ray's beginning and end. */
-static const char letters[] = "N+P-RBSLAFXbe";
+static const char letters[] = "N+P-RBSLAFXYbe";
 
 /* Adds a ray: N7 a node, P7 a primitive, + a push, - a pop, R a restart, B7 a box, S7 a sample, L7
- * what it looks up, A another search (A1: in a region), F7 a leaf, X an exact test; J1 joins its
- * packet, J leaves it; a number is 0 if it is left out. */
+ * what it looks up, A another search (A1: in a region), F7 a leaf, X an exact test, Y the rest of
+ * it; J1 joins its packet, J leaves it; a number is 0 if it is left out. */
 static inline void add_ray(const char *steps)
 {
     uint32_t end = made.rays > 0 ? ends[made.rays - 1] : 0;

@@ -8,6 +8,7 @@
 /* Of each kind, the steps of one item. */
 typedef struct step_sums {
     uint32_t of[BB_STEP_KINDS];
+    uint32_t first_prims; /* primitives before another search */
 } step_sums;
 
 /* Adds up each item's steps; the caller frees them. */
@@ -16,9 +17,31 @@ static inline step_sums *sum_steps(const bb_steps *steps)
     step_sums *sums = calloc(steps->rays + 1, sizeof *sums);
     assert_non_null(sums);
     for (uint32_t i = 0, at = 0; i < steps->rays; i++)
-        for (; at < steps->ends[i]; at++)
-            sums[i].of[bb_step_kind(steps->words[at])]++;
+        for (; at < steps->ends[i]; at++) {
+            const uint32_t kind = bb_step_kind(steps->words[at]);
+            sums[i].of[kind]++;
+            sums[i].first_prims += kind == BB_STEP_PRIMS && sums[i].of[BB_STEP_AGAIN] == 0;
+        }
     return sums;
+}
+
+/* Of a tree in arrays, boxes of a node's children must follow each other, and so must what a leaf
+ * lists, after the step to that leaf. */
+static inline void expect_lists(const bb_steps *steps)
+{
+    for (uint32_t i = 0, at = 0; i < steps->rays; i++)
+        for (uint32_t before = BB_STEP_AGAIN, last = 0; at < steps->ends[i]; at++) {
+            const uint32_t kind = bb_step_kind(steps->words[at]);
+            const uint32_t index = bb_step_index(steps->words[at]);
+            if (kind == BB_STEP_EXACT || kind == BB_STEP_FURTHER)
+                continue;
+            if (kind == BB_STEP_PRIMS)
+                assert_true(before == BB_STEP_LEAF || (before == kind && index == last + 1));
+            if (kind == BB_STEP_BOX && before == kind && index >> 1 != 0)
+                assert_int_equal(index >> 1, (last >> 1) + 1);
+            before = kind;
+            last = index;
+        }
 }
 
 /* Nodes whose box was tested; where boxes are apart, they have steps of their own. */

@@ -233,8 +233,8 @@ static void trees_in_arrays_are_read_by_their_lists(void **state)
     /* word 0 of the list, corners of tetrahedron 2, vertices 0 to 2 in two sectors, and 30 */
     expect_issued(&t, BB_STEP_PRIMS, 1, 1 + 1 + 3, 4);
     no_rays(); /* a flag alone; a primitive of another kind */
-    add_ray("B3P0");
-    add_ray("B4P2");
+    add_ray("B3F0P0");
+    add_ray("B4F0P2");
     t = run(&m, &f);
     expect_issued(&t, BB_STEP_BOX, 1, 3, 2);
     expect_issued(&t, BB_STEP_PRIMS, 1, 1 + 1 + 3, 4);

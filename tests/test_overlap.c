@@ -35,7 +35,7 @@ static void expect_steps(overlapping *o, uint32_t count)
     bb_simulated_code code = {.kernel = NULL};
     bb_steps steps;
     bb_count *counts = malloc(count * sizeof *counts);
-    check(bb_tet_search_code(&o->search, "overlap_tets", &code), "code");
+    check(bb_tet_search_code(&o->search, "overlap_tets", o->boundary, &code), "code");
     check(bb_buffer_read(o->counts, 0, count * sizeof *counts, counts), "counts");
     check(bb_steps_record(device, launch, o, count, count, &steps), "steps");
     step_sums *sums = sum_steps(&steps);
@@ -44,7 +44,11 @@ static void expect_steps(overlapping *o, uint32_t count)
         assert_int_equal(sums[i].of[BB_STEP_RESTART], counts[i].restarts);
         assert_int_equal(sums[i].of[BB_STEP_EXACT], counts[i].prims);
         assert_true(sums[i].of[BB_STEP_PRIMS] >= counts[i].prims); /* boxes that do not meet */
+        /* a corner inside ends the search */
+        assert_true(counts[i].prims - sums[i].of[BB_STEP_FURTHER] <= 1);
     }
+    if (code.footing.control == BB_UNTIL_LEAF)
+        expect_lists(&steps);
     free(sums);
     free(counts);
     bb_steps_release(&steps);

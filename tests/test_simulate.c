@@ -79,6 +79,7 @@ static void regions_have_costs_of_their_own(void **state)
             add_rays(64, nodes ? "N1N1P1" : "N1P1");
             ASSERT_OK(bb_simulate_code(&simt, &code, &made, &s));
             us[in_region][nodes] = 64 / s.issue_mrays_s;
+            assert_true(s.efficiency == 1);
         }
         more[in_region] = us[in_region][1] - us[in_region][0];
     }

@@ -37,7 +37,7 @@ static void expect_steps(slicing *s, uint32_t count)
     bb_simulated_code code = {.kernel = NULL};
     bb_steps steps;
     bb_count *counts = malloc(count * sizeof *counts);
-    check(bb_tet_search_code(&s->search, "slice_tets", &code), "code");
+    check(bb_tet_search_code(&s->search, "slice_tets", s->boundary, &code), "code");
     check(bb_buffer_read(s->counts, 0, count * sizeof *counts, counts), "counts");
     check(bb_steps_record(device, launch, s, count, count, &steps), "steps");
     step_sums *sums = sum_steps(&steps);
@@ -47,10 +47,14 @@ static void expect_steps(slicing *s, uint32_t count)
         assert_int_equal(of[BB_STEP_RESTART], counts[i].restarts);
         restarts += of[BB_STEP_RESTART];
         assert_true(of[BB_STEP_AGAIN] <= 1 && of[BB_STEP_POP] <= of[BB_STEP_PUSH]);
-        assert_true(of[BB_STEP_PRIMS] + of[BB_STEP_EXACT] >= counts[i].prims);
-        if (of[BB_STEP_AGAIN] == 0)
-            assert_int_equal(of[BB_STEP_PRIMS], counts[i].prims);
+        if (of[BB_STEP_RESTART] == 0 && code.footing.control == BB_UNTIL_LEAF)
+            assert_int_equal(of[BB_STEP_POP], of[BB_STEP_PUSH]);
+        assert_int_equal(sums[i].first_prims + of[BB_STEP_EXACT], counts[i].prims);
+        assert_true(of[BB_STEP_FURTHER] <= of[BB_STEP_EXACT]); /* the first is the nearest so far */
+        assert_true((of[BB_STEP_FURTHER] > 0) == (of[BB_STEP_EXACT] > 0));
     }
+    if (code.footing.control == BB_UNTIL_LEAF)
+        expect_lists(&steps);
     free(sums);
     free(counts);
     bb_steps_release(&steps);

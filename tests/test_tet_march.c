@@ -71,7 +71,7 @@ static void expect_steps(marching *m, const bb_count *counts)
 {
     bb_simulated_code code = {.kernel = NULL};
     bb_steps steps;
-    check(bb_tet_search_code(&m->search, "tet_march", &code), "code");
+    check(bb_tet_search_code(&m->search, "tet_march", m->interval, &code), "code");
     check(bb_steps_record(device, launch, m, RAYS, RAYS, &steps), "steps");
     step_sums *sums = sum_steps(&steps);
     for (uint32_t i = 0; i < RAYS; i++) {
@@ -81,6 +81,8 @@ static void expect_steps(marching *m, const bb_count *counts)
         assert_int_equal(of[BB_STEP_LOOKUP], counts[i].prims);
         assert_true(of[BB_STEP_AGAIN] >= of[BB_STEP_LOOKUP]);
     }
+    if (code.footing.control == BB_UNTIL_LEAF)
+        expect_lists(&steps);
     free(sums);
     bb_steps_release(&steps);
     bb_simulated_code_release(&code);

@@ -184,9 +184,9 @@ static void exact_tests_come_after_their_primitive(void **state)
 {
     (void)state;
     no_rays();
-    add_ray("NPXPPXNPX");
+    add_ray("NPXYPPXNPX");
     add_ray("NPPXPNP");
-    expect_order(BB_IF_ELSE, 0, "b2 N2 P2 X1 P2 X1 P2 X1 N2 P2 X1 e2");
+    expect_order(BB_IF_ELSE, 0, "b2 N2 P2 X1 Y1 P2 X1 P2 X1 N2 P2 X1 e2");
 }
 
 static void rays_wait_for_their_group(void **state)

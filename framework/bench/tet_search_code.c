@@ -53,7 +53,7 @@ static bb_status find_lists(const bb_tet_search *search, bb_simulated_code *code
     return BB_OK;
 }
 
-bb_status bb_tet_search_code(const bb_tet_search *search, const char *kernel,
+bb_status bb_tet_search_code(const bb_tet_search *search, const char *kernel, bool by_boundary,
                              bb_simulated_code *code)
 {
     static const struct {
@@ -63,7 +63,9 @@ bb_status bb_tet_search_code(const bb_tet_search *search, const char *kernel,
                               [BB_SEARCH_OCTREE] = {"octree", 2 * sizeof(bb_u32)},
                               [BB_SEARCH_OLBVH] = {"olbvh", 0},
                               [BB_SEARCH_ALL] = {"all", 0}};
-    snprintf(code->program, sizeof code->program, "%s/%s", kernel, ways[search->way].name);
+    const bool has_variant = bb_tet_search_has_boundary(search->way) && !by_boundary;
+    snprintf(code->program, sizeof code->program, "%s/%s%s", kernel, ways[search->way].name,
+             has_variant ? ":boundary=no" : "");
     code->kernel = kernel;
     bb_footing *f = &code->footing;
     *f = (bb_footing){.control = BB_IF_ELSE,

@@ -105,7 +105,7 @@ static bool find_program(const char *program, const char *kernel, const char *co
         [BB_STEP_NODE] = "node",   [BB_STEP_PUSH] = "push",       [BB_STEP_PRIMS] = "prims",
         [BB_STEP_POP] = "pop",     [BB_STEP_RESTART] = "restart", [BB_STEP_SAMPLE] = "sample",
         [BB_STEP_AGAIN] = "again", [BB_STEP_BOX] = "box",         [BB_STEP_LEAF] = "leaf",
-        [BB_STEP_EXACT] = "exact", [BB_ISSUE_BEGIN] = "begin"};
+        [BB_STEP_EXACT] = "exact", [BB_STEP_FURTHER] = "further", [BB_ISSUE_BEGIN] = "begin"};
     row headings, r;
     char column[32];
     if (!find_row(program, kernel, &headings, &r))

@@ -7,7 +7,8 @@
 
 typedef struct bb_costs {
     /* of a group for each step of a kind: all of its loop, once, those in branches too; of
-     * BB_ISSUE_BEGIN: all outside of loops */
+     * BB_ISSUE_BEGIN: all outside of loops; of searches of tetrahedra the larger of what those for
+     * points and those in regions have there */
     double instructions[BB_ISSUE_KINDS];
     double in_regions[BB_ISSUE_KINDS]; /* likewise, in searches for what meets a region */
     bool counted;                      /* instructions are known, not registers alone */

@@ -29,8 +29,8 @@ const char *const bb_issue_names[BB_ISSUE_KINDS] = {
     [BB_STEP_NODE] = "node",     [BB_STEP_PUSH] = "push",       [BB_STEP_PRIMS] = "primitives",
     [BB_STEP_POP] = "pop",       [BB_STEP_RESTART] = "restart", [BB_STEP_BOX] = "box",
     [BB_STEP_SAMPLE] = "sample", [BB_STEP_LOOKUP] = "lookup",   [BB_STEP_AGAIN] = "again",
-    [BB_STEP_LEAF] = "leaf",     [BB_STEP_EXACT] = "exact",     [BB_ISSUE_BEGIN] = "begin",
-    [BB_ISSUE_END] = "end"};
+    [BB_STEP_LEAF] = "leaf",     [BB_STEP_EXACT] = "exact",     [BB_STEP_FURTHER] = "further",
+    [BB_ISSUE_BEGIN] = "begin",  [BB_ISSUE_END] = "end"};
 
 void bb_lockstep_rays(const bb_scene *scene, uint64_t seed, bb_ray *rays, uint32_t count)
 {

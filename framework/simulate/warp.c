@@ -142,12 +142,12 @@ static bool finds_first(const bb_warp *warp)
 /* The turn that comes after the last pop. */
 static uint32_t after_pops(const bb_warp *warp)
 {
-    const uint64_t nodes = warp->at[BB_STEP_NODE] | warp->at[BB_STEP_BOX] | warp->at[BB_STEP_POP];
-    const uint64_t leaves = warp->at[BB_STEP_LEAF] | warp->at[BB_STEP_PRIMS];
-    return nodes != 0                   ? BB_STEP_NODE
-           : leaves == 0                ? TURN_PACKET_POP
-           : is_of(warp, BB_UNTIL_LEAF) ? BB_STEP_LEAF
-                                        : BB_STEP_NODE;
+    const bool until_leaf = is_of(warp, BB_UNTIL_LEAF);
+    const uint64_t nodes = warp->at[BB_STEP_NODE] | warp->at[BB_STEP_POP] |
+                           (until_leaf ? warp->at[BB_STEP_BOX] : warp->at[BB_STEP_PRIMS]);
+    return nodes != 0                                  ? BB_STEP_NODE
+           : until_leaf && warp->at[BB_STEP_LEAF] != 0 ? BB_STEP_LEAF
+                                                       : TURN_PACKET_POP;
 }
 
 /* The turn that comes when no ray takes samples. */
@@ -203,9 +203,15 @@ bool bb_warp_next(bb_warp *warp, bb_issue *issue)
             break;
         case BB_STEP_EXACT:
             lanes = warp->at[BB_STEP_EXACT];
-            warp->turn = BB_STEP_PRIMS;
+            warp->turn = BB_STEP_FURTHER;
             if (lanes != 0)
                 return take(warp, issue, BB_STEP_EXACT, lanes);
+            break;
+        case BB_STEP_FURTHER:
+            lanes = warp->at[BB_STEP_FURTHER];
+            warp->turn = BB_STEP_PRIMS;
+            if (lanes != 0)
+                return take(warp, issue, BB_STEP_FURTHER, lanes);
             break;
         case BB_STEP_SAMPLE:
             lanes = warp->at[BB_STEP_SAMPLE];

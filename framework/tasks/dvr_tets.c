@@ -21,7 +21,7 @@ static bb_status code_of(void *self, const bb_contest_runner *runner, bb_simulat
     const bb_dvr *dvr = self;
     bb_tet_search search;
     BB_TRY(bb_contest_search(runner, &dvr->task, 0, &search));
-    BB_TRY(bb_tet_search_code(&search, "tet_march", code));
+    BB_TRY(bb_tet_search_code(&search, "tet_march", runner->by_boundary, code));
     code->footing.item_bytes = sizeof(bb_ray);
     code->footing.result_bytes = sizeof(bb_light);
     code->footing.entry_bytes = sizeof(bb_transfer_entry);

@@ -47,7 +47,7 @@ static bb_status code_of(void *self, const bb_contest_runner *runner, bb_simulat
     overlapping *o = self;
     bb_tet_search search;
     BB_TRY(bb_contest_search(runner, &o->task, 1 - o->asking, &search));
-    BB_TRY(bb_tet_search_code(&search, "overlap_tets", code));
+    BB_TRY(bb_tet_search_code(&search, "overlap_tets", runner->by_boundary, code));
     code->footing.item_bytes = 4 * sizeof(uint32_t);
     code->footing.result_bytes = sizeof(uint32_t);
     return BB_OK;

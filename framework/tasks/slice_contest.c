@@ -42,7 +42,7 @@ static bb_status code_of(void *self, const bb_contest_runner *runner, bb_simulat
     const slicing *s = self;
     bb_tet_search search;
     BB_TRY(bb_contest_search(runner, &s->task, 0, &search));
-    BB_TRY(bb_tet_search_code(&search, "slice_tets", code));
+    BB_TRY(bb_tet_search_code(&search, "slice_tets", runner->by_boundary, code));
     code->footing.result_bytes = sizeof(bb_sliced);
     return BB_OK;
 }

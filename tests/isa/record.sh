@@ -18,6 +18,7 @@ mkdir -p "$folder/logs"
 # tests' matter.
 commands() {
     local form handover trace kernel frame
+    local searches="--search skip,octree,olbvh,octree:boundary=no,olbvh:boundary=no"
     for form in cpu gpu; do
         for handover in fence levels; do
             echo "$form/$handover check --form $form --handover $handover --builder all" \
@@ -37,10 +38,10 @@ commands() {
         echo "$form/sorted run $trace --scene cube --kernel packet:sort=yes" \
             "--out $folder/logs/sorted-$form"
         echo "$form/volume volume --form $form --scene nbody:n=16 --scene tets:side=2 --size 8x8" \
-            "--steps 1 --search skip,octree,olbvh --repeats 1"
-        echo "$form/slice slice --form $form --scene tets:side=2 --size 8x8 --search skip,octree,olbvh --no-tree" \
+            "--steps 1 $searches --repeats 1"
+        echo "$form/slice slice --form $form --scene tets:side=2 --size 8x8 $searches --no-tree" \
             "--repeats 1"
-        echo "$form/overlap overlap --form $form tets:side=2 tets:side=3 --search skip,octree,olbvh" \
+        echo "$form/overlap overlap --form $form tets:side=2 tets:side=3 $searches" \
             "--no-tree --repeats 1"
         echo "$form/animate animate --form $form --scene twist:n=100,frames=3 --size 8x8" \
             "--max-rays 64 --repeats 1 --quiet --builder lbvh+refit:rotate=yes" \

@@ -15,6 +15,11 @@
     loop = ""
 }
 !in_kernel { next }
+/s_swappc/ {
+    print "isa: " name ": kernel " kernel " calls a function, whose instructions are not counted" >"/dev/stderr"
+    bad = 1
+    exit 1
+}
 /s_endpgm/ { counts[""]++; in_kernel = 0; next }
 # a block: its label or number, and what the comments behind it say of its loop
 /^\.LBB[0-9_]+:/ || /^; %bb\./ {
@@ -44,6 +49,7 @@
 }
 /^\t[a-z]/ && !/^\t[.;]/ { counts[loop]++ }
 END {
+    if (bad) exit 1
     if (kernel == "") exit
     tets = prefix != ""
     many = split(tets ? "AGAIN NODE BOX PRIMS POP PUSH RESTART LEAF" \
