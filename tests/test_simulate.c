@@ -84,9 +84,37 @@ static void regions_have_costs_of_their_own(void **state)
         more[in_region] = us[in_region][1] - us[in_region][0];
     }
     assert_true(costs.in_regions[BB_STEP_EXACT] > costs.in_regions[BB_STEP_PRIMS]);
+    assert_true(costs.in_regions[BB_STEP_FURTHER] > costs.in_regions[BB_STEP_PRIMS]);
     assert_true(costs.in_regions[BB_STEP_NODE] != costs.instructions[BB_STEP_NODE]);
     ASSERT_NEAR(more[0] / more[1],
                 costs.instructions[BB_STEP_NODE] / costs.in_regions[BB_STEP_NODE], 1e-9);
+}
+
+/* An exact test is the same code, by whatever search it is reached; a search without the boundary
+ * has code of its own. */
+static void exact_tests_cost_the_same_in_all_searches(void **state)
+{
+    (void)state;
+    static const char *const kernels[] = {"slice_tets", "overlap_tets"}, *const ways[] = {
+                                                                             "skip",
+                                                                             "all",
+                                                                             "octree",
+                                                                             "octree:boundary=no",
+                                                                             "olbvh",
+                                                                             "olbvh:boundary=no"};
+    enum { WAYS = sizeof ways / sizeof ways[0] };
+    for (int k = 0; k < 2; k++) {
+        bb_costs costs[WAYS];
+        for (int i = 0; i < WAYS; i++) {
+            char program[64];
+            snprintf(program, sizeof program, "%s/%s", kernels[k], ways[i]);
+            ASSERT_OK(bb_costs_find(program, kernels[k], "gfx1030", &costs[i]));
+            for (uint32_t kind = BB_STEP_EXACT; kind <= BB_STEP_FURTHER; kind++)
+                assert_true(costs[i].in_regions[kind] == costs[0].in_regions[kind]);
+        }
+        assert_memory_not_equal(&costs[2], &costs[3], sizeof costs[2]);
+        assert_memory_not_equal(&costs[4], &costs[5], sizeof costs[4]);
+    }
 }
 
 /* Costs are those of the row that has most of a kernel's options, and no others. */
@@ -227,6 +255,7 @@ int main(void)
         cmocka_unit_test(costs_are_those_of_the_options),
         cmocka_unit_test(costs_are_those_of_the_primitives),
         cmocka_unit_test(regions_have_costs_of_their_own),
+        cmocka_unit_test(exact_tests_cost_the_same_in_all_searches),
         cmocka_unit_test(steps_are_those_of_the_group),
         cmocka_unit_test(what_is_not_known_has_no_bound),
         cmocka_unit_test(bounds_are_those_of_the_device),

@@ -2,7 +2,7 @@
  * there is noted, for the second cache to answer later, so that units run beside each other.
  *
  * Addresses are offsets: each array has a base of its own. A stack entry is two words of private
- * memory, of which all lanes' words lie side by side.
+ * memory, or one, of which all lanes' words lie side by side.
  */
 #ifndef BB_UNIT_H
 #define BB_UNIT_H
