@@ -51,7 +51,8 @@ uint32_t bb_tet_count_args(const bb_tet_search *search, const bb_buffer *counts,
                            bb_arg args[BB_TET_COUNT_ARGS]);
 
 /* What the steps of a search read. BB_UNSUPPORTED if steps cannot name all of it. `kernel`: the
- * name of the kernel that searches; `by_boundary`: bb_tet_search_by_boundary(). To be released, also after a failure, before the scene. */
+ * name of the kernel that searches; `by_boundary`: bb_tet_search_by_boundary(). To be released,
+ * also after a failure, before the scene. */
 bb_status bb_tet_search_code(const bb_tet_search *search, const char *kernel, bool by_boundary,
                              bb_simulated_code *code);
 

@@ -6,8 +6,8 @@
  *
  *   loop: nodes: while a ray that has not left this loop is at a node: these take it, then push
  *                (if-if, if-else: once)
- *         primitives: while a ray is at one (by leaf: once): these, then those that test it exactly,
- *                then those that go on with that
+ *         primitives: while a ray is at one (by leaf: once): these, then those that test it
+ *                exactly, then those that go on with that
  *         samples: while a ray takes one: these take it, then look its values up
  *                  (by leaf: on to primitives, while a ray is at one)
  *         pops: while a ray pops or restarts: these pop, then those restart (if-else: once those
