@@ -35,6 +35,20 @@ typedef struct bb_locate_args {
     float scale;
 } bb_locate_args;
 
+/* The arrays of an OLBVH as published, as the layout `olbvh` has them in its buffers: boxes of
+ * nodes, listed primitives, children of inner nodes, lists of nodes, flags of the boundary, and
+ * first nodes of levels (layout_olbvh.cl). */
+enum {
+    BB_OLBVH_BV,
+    BB_OLBVH_P,
+    BB_OLBVH_CO,
+    BB_OLBVH_PO,
+    BB_OLBVH_BF,
+    BB_OLBVH_NO,
+    BB_OLBVH_ARRAYS
+};
+#define BB_OLBVH_STACK 8u /* entries of its search's short stack */
+
 /* A slice: voxels between planes lo + i * step on two axes, the last plane being hi, and between
  * two planes on the third axis. */
 typedef struct bb_slice_args {

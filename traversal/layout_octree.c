@@ -72,6 +72,7 @@ const bb_layout bb_layout_octree = {
     .summary = "an octree's cells by their octants, without boxes; for queries at points",
     .width = 8,
     .block = 1,
+    .node_bytes = 2 * sizeof(uint32_t),
     .search = BB_SEARCH_OCTREE,
     .array = {.name = "cells", .stride = sizeof(uint32_t)},
     .create = create,

@@ -1,10 +1,11 @@
 /* The `olbvh` layout (kernels/layout_olbvh.cl): the arrays of an OLBVH as published, for its
  * published traversal. */
+#include "kernels/tet_shared.h"
 #include "traversal/traversal.h"
 
 #include <stdlib.h>
 
-enum { GROUP_SIZE = 64, BV = 0, P, CO, PO, BF, NO, ARRAYS };
+enum { GROUP_SIZE = 64 };
 
 typedef struct olbvh_layout {
     bb_device *device;
@@ -45,15 +46,15 @@ static bb_status reserve(olbvh_layout *self, const bb_tree_info *info, bb_layout
     const struct {
         const char *what;
         size_t bytes;
-    } arrays[ARRAYS] = {
-        [BV] = {"six arrays: BV", nodes * 6 * sizeof(float)},
-        [P] = {"six arrays: P", info->ref_count * sizeof(uint32_t)},
-        [CO] = {"six arrays: CO", (inner + 1) * sizeof(uint32_t)},
-        [PO] = {"six arrays: PO", (nodes + 1) * sizeof(uint32_t)},
-        [BF] = {"six arrays: BF", nodes},
-        [NO] = {"six arrays: NO", (info->depth + 1) * sizeof(uint32_t)},
+    } arrays[BB_OLBVH_ARRAYS] = {
+        [BB_OLBVH_BV] = {"six arrays: BV", nodes * 6 * sizeof(float)},
+        [BB_OLBVH_P] = {"six arrays: P", info->ref_count * sizeof(uint32_t)},
+        [BB_OLBVH_CO] = {"six arrays: CO", (inner + 1) * sizeof(uint32_t)},
+        [BB_OLBVH_PO] = {"six arrays: PO", (nodes + 1) * sizeof(uint32_t)},
+        [BB_OLBVH_BF] = {"six arrays: BF", nodes},
+        [BB_OLBVH_NO] = {"six arrays: NO", (info->depth + 1) * sizeof(uint32_t)},
     };
-    for (int i = 0; i < ARRAYS; i++) {
+    for (int i = 0; i < BB_OLBVH_ARRAYS; i++) {
         BB_TRY(bb_buffer_reserve(self->device, self->account, arrays[i].bytes, arrays[i].what,
                                  &data->buffers[i]));
         data->bytes += arrays[i].bytes;
@@ -73,7 +74,7 @@ static bb_status make(void *opaque, const bb_layout_source *source, bb_layout_da
     if (cells == NULL || co == NULL)
         return bb_fail(BB_UNSUPPORTED, "layout olbvh reads the side arrays 'cells' and 'co', which "
                                        "this tree does not have");
-    data->buffer_count = ARRAYS;
+    data->buffer_count = BB_OLBVH_ARRAYS;
     data->root = tree->info.root;
     data->stack_need = 0;
     data->levels = tree->info.depth;
@@ -82,13 +83,13 @@ static bb_status make(void *opaque, const bb_layout_source *source, bb_layout_da
     BB_TRY(reserve(self, &tree->info, data));
     BB_TRY(bb_launch(device, self->nodes, count, GROUP_SIZE, BB_MEM(tree->d_nodes),
                      BB_MEM(cells->buffer), BB_MEM(co->buffer), BB_MEM(*source->array),
-                     BB_VALUE(count), BB_VALUE(refs), BB_MEM(data->buffers[BV]),
-                     BB_MEM(data->buffers[CO]), BB_MEM(data->buffers[PO]),
-                     BB_MEM(data->buffers[BF])));
+                     BB_VALUE(count), BB_VALUE(refs), BB_MEM(data->buffers[BB_OLBVH_BV]),
+                     BB_MEM(data->buffers[BB_OLBVH_CO]), BB_MEM(data->buffers[BB_OLBVH_PO]),
+                     BB_MEM(data->buffers[BB_OLBVH_BF])));
     BB_TRY(bb_launch(device, self->refs, refs, GROUP_SIZE, BB_MEM(tree->d_refs), BB_VALUE(refs),
-                     BB_MEM(data->buffers[P])));
-    return bb_launch(device, self->levels, 1, 1, BB_MEM(data->buffers[CO]), BB_VALUE(levels),
-                     BB_MEM(data->buffers[NO]));
+                     BB_MEM(data->buffers[BB_OLBVH_P])));
+    return bb_launch(device, self->levels, 1, 1, BB_MEM(data->buffers[BB_OLBVH_CO]),
+                     BB_VALUE(levels), BB_MEM(data->buffers[BB_OLBVH_NO]));
 }
 
 const bb_layout bb_layout_olbvh = {

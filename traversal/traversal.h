@@ -94,7 +94,7 @@ typedef struct bb_layout {
     const char *summary;
     uint32_t width;      /* most children of a node; 2 if unlimited. Required */
     uint32_t block;      /* number of primitives that its kernels test at once. Required */
-    uint32_t node_bytes; /* size of a node in its first buffer; 0: it is not for rays */
+    uint32_t node_bytes; /* size of a node in its first buffer; 0: nodes are in several arrays */
     uint32_t leaf_max;   /* most references of a leaf: larger ones are divided; 0: unlimited */
     bool keeps_nodes;    /* has BB_PLAN_NATIVE, for trees of up to `width` children */
     bb_tet_search_way search;

@@ -63,6 +63,7 @@ bb_status bb_tet_search_by(const bb_scene *scene, const bb_layout *layout,
     *search = (bb_tet_search){
         .way = layout->search,
         .scene = scene,
+        .layout = layout,
         .data = data,
         .ends = bb_scene_ends(scene),
         .args = {.root = data->root,

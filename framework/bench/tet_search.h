@@ -24,7 +24,8 @@ enum { BB_TET_SEARCH_ARGS = 11, BB_TET_COUNT_ARGS = 4, BB_TET_GROUP = 64 };
 /* One scene's tetrahedra by one way. It must not move once args were asked for. */
 typedef struct bb_tet_search {
     bb_tet_search_way way;
-    const bb_scene *scene; /* on the device */
+    const bb_scene *scene;   /* on the device */
+    const bb_layout *layout; /* NULL: one tetrahedron after the other, of `list` */
     const bb_layout_data *data;
     const bb_buffer *list;
     bb_prim_ends ends;

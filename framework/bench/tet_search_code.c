@@ -4,8 +4,7 @@
 
 #include <stdio.h>
 
-/* Buffers of the layout `olbvh` (traversal/layout_olbvh.c). */
-enum { LISTED = 1, PO = 3, NO = 5, ALIGNMENT = 256, STACK = 8 };
+enum { ALIGNMENT = 256 };
 
 static uint64_t aligned(uint64_t bytes)
 {
@@ -17,7 +16,7 @@ static bb_status copy_list(const bb_tet_search *search, uint32_t refs, uint32_t 
 {
     const size_t bytes = refs * sizeof **tets;
     BB_TRY(bb_host_alloc(NULL, bytes, "a list of tetrahedra", tets));
-    BB_TRY(bb_buffer_read(&search->data->buffers[LISTED], 0, bytes, *tets));
+    BB_TRY(bb_buffer_read(&search->data->buffers[BB_OLBVH_P], 0, bytes, *tets));
     for (uint32_t i = 0; i < refs; i++)
         (*tets)[i] = (*tets)[i] < search->args.first ? BB_NONE : (*tets)[i] - search->args.first;
     return BB_OK;
@@ -31,8 +30,9 @@ static bb_status find_lists(const bb_tet_search *search, bb_simulated_code *code
     const bb_buffer *buffers = search->data->buffers;
     bb_footing *f = &code->footing;
     uint32_t nodes, refs;
-    BB_TRY(bb_buffer_read(&buffers[NO], search->data->levels * sizeof nodes, sizeof nodes, &nodes));
-    BB_TRY(bb_buffer_read(&buffers[PO], nodes * sizeof refs, sizeof refs, &refs));
+    BB_TRY(bb_buffer_read(&buffers[BB_OLBVH_NO], search->data->levels * sizeof nodes, sizeof nodes,
+                          &nodes));
+    BB_TRY(bb_buffer_read(&buffers[BB_OLBVH_PO], nodes * sizeof refs, sizeof refs, &refs));
     if (nodes > BB_STEP_INDEX_MASK >> 1 || refs > BB_STEP_INDEX_MASK)
         return bb_fail(BB_UNSUPPORTED, "the tree has more nodes or references than steps can name");
     BB_TRY(copy_list(search, refs, &code->listed));
@@ -48,7 +48,7 @@ static bb_status find_lists(const bb_tet_search *search, bb_simulated_code *code
     f->nodes_bytes = l->flags_at + nodes;
     f->prims_bytes = l->vertices_at + vertices;
     f->control = BB_UNTIL_LEAF;
-    f->ring = STACK;
+    f->ring = BB_OLBVH_STACK;
     f->is_link = true;
     return BB_OK;
 }
@@ -56,25 +56,19 @@ static bb_status find_lists(const bb_tet_search *search, bb_simulated_code *code
 bb_status bb_tet_search_code(const bb_tet_search *search, const char *kernel, bool by_boundary,
                              bb_simulated_code *code)
 {
-    static const struct {
-        const char *name;
-        uint32_t node_bytes;
-    } ways[BB_SEARCH_WAYS] = {[BB_SEARCH_SKIP] = {"skip", sizeof(bb_node)},
-                              [BB_SEARCH_OCTREE] = {"octree", 2 * sizeof(bb_u32)},
-                              [BB_SEARCH_OLBVH] = {"olbvh", 0},
-                              [BB_SEARCH_ALL] = {"all", 0}};
+    const bb_layout *layout = search->layout;
     const bool has_variant = bb_tet_search_has_boundary(search->way) && !by_boundary;
-    snprintf(code->program, sizeof code->program, "%s/%s%s", kernel, ways[search->way].name,
-             has_variant ? ":boundary=no" : "");
+    snprintf(code->program, sizeof code->program, "%s/%s%s", kernel,
+             layout != NULL ? layout->name : "all", has_variant ? ":boundary=no" : "");
     code->kernel = kernel;
     bb_footing *f = &code->footing;
     *f = (bb_footing){.control = BB_IF_ELSE,
                       .group = BB_TET_GROUP,
-                      .node_bytes = ways[search->way].node_bytes,
+                      .node_bytes = layout != NULL ? layout->node_bytes : 0,
                       .prim_bytes = search->args.words * (uint32_t)sizeof(bb_u32)};
     if (search->way == BB_SEARCH_OLBVH)
         return find_lists(search, code);
-    if (search->way == BB_SEARCH_ALL) {
+    if (layout == NULL) {
         f->prims_bytes = (uint64_t)search->scene->prims[BB_TETRAHEDRON].count * f->prim_bytes;
     } else {
         f->nodes_bytes = search->data->bytes - search->data->prims_bytes;

@@ -82,6 +82,15 @@ static bool take(bb_warp *warp, bb_issue *issue, uint32_t kind, uint64_t lanes)
     return true;
 }
 
+/* Has all lanes whose own next step is of this kind take it, unless there are none; `next` is the
+ * turn after that. */
+static bool take_all(bb_warp *warp, bb_issue *issue, uint32_t kind, uint32_t next)
+{
+    const uint64_t lanes = warp->at[kind];
+    warp->turn = next;
+    return lanes != 0 && take(warp, issue, kind, lanes);
+}
+
 /* Returns the lanes of all packets of which some are in `lanes`, or their first two alone. */
 static uint64_t whole_packets(const bb_warp *warp, uint64_t lanes, bool first_two)
 {
@@ -189,10 +198,8 @@ bool bb_warp_next(bb_warp *warp, bb_issue *issue)
                                                                                 : BB_STEP_PRIMS;
             break;
         case BB_STEP_LEAF:
-            lanes = warp->at[BB_STEP_LEAF];
-            warp->turn = BB_STEP_PRIMS;
-            if (lanes != 0)
-                return take(warp, issue, BB_STEP_LEAF, lanes);
+            if (take_all(warp, issue, BB_STEP_LEAF, BB_STEP_PRIMS))
+                return true;
             break;
         case BB_STEP_PRIMS:
             lanes = warp->at[BB_STEP_PRIMS];
@@ -202,22 +209,16 @@ bool bb_warp_next(bb_warp *warp, bb_issue *issue)
                 return take(warp, issue, BB_STEP_PRIMS, lanes);
             break;
         case BB_STEP_EXACT:
-            lanes = warp->at[BB_STEP_EXACT];
-            warp->turn = BB_STEP_FURTHER;
-            if (lanes != 0)
-                return take(warp, issue, BB_STEP_EXACT, lanes);
+            if (take_all(warp, issue, BB_STEP_EXACT, BB_STEP_FURTHER))
+                return true;
             break;
         case BB_STEP_FURTHER:
-            lanes = warp->at[BB_STEP_FURTHER];
-            warp->turn = BB_STEP_PRIMS;
-            if (lanes != 0)
-                return take(warp, issue, BB_STEP_FURTHER, lanes);
+            if (take_all(warp, issue, BB_STEP_FURTHER, BB_STEP_PRIMS))
+                return true;
             break;
         case BB_STEP_SAMPLE:
-            lanes = warp->at[BB_STEP_SAMPLE];
-            warp->turn = BB_STEP_LOOKUP;
-            if (lanes != 0)
-                return take(warp, issue, BB_STEP_SAMPLE, lanes);
+            if (take_all(warp, issue, BB_STEP_SAMPLE, BB_STEP_LOOKUP))
+                return true;
             break;
         case BB_STEP_LOOKUP:
             lanes = finds_first(warp) ? 0 : warp->at[BB_STEP_LOOKUP];
