@@ -77,7 +77,8 @@ static void compare(const bb_lockstep_case *which, const char *scene_name, const
     request.query = query;
     const bb_footing footing = bb_footing_of(&request, &l->layout);
     assert_int_equal(footing.ring, which->ring);
-    check(bb_trace_steps(device, &request, &l->layout, rays, RAYS, RAYS, &steps), which->kernel);
+    check(bb_trace_steps(device, &request, &l->layout, rays, RAYS, BB_SAMPLE_ALL, &steps),
+          which->kernel);
     bb_issued sums[BB_LOCKSTEP_WIDTHS][BB_ISSUE_KINDS];
     check(bb_lockstep_run(device, which, &request, &l->layout, rays, RAYS, sums), which->source);
     for (uint32_t w = 0; w < BB_LOCKSTEP_WIDTHS; w++) {
@@ -133,12 +134,12 @@ static void replay_equals_lockstep(void **state)
 /* ---- numbering ---- */
 
 static void record_on(const bb_scene *scene, bb_tree *tree, const char *kernel, bool preorder,
-                      const bb_ray *rays, uint32_t most, bb_steps *steps)
+                      const bb_ray *rays, bb_steps *steps)
 {
     laid_out l;
     lay_out(&l, kernel, scene, tree, 1, preorder);
     assert_int_equal(strstr(l.layout.name, "preorder") != NULL, preorder);
-    check(bb_trace_steps(device, &l.request, &l.layout, rays, RAYS, most, steps), kernel);
+    check(bb_trace_steps(device, &l.request, &l.layout, rays, RAYS, BB_SAMPLE_ALL, steps), kernel);
     release_layout(&l);
 }
 
@@ -167,9 +168,9 @@ static void numbers_of_nodes_do_not_matter(void **state)
     check(bb_tree_preorder(&tree, &ordered), "preorder");
     for (size_t k = 0; k < sizeof kernels / sizeof kernels[0]; k++) {
         bb_steps expected, renumbered, as_it_is;
-        record_on(scene, &ordered, kernels[k], false, rays, RAYS, &expected);
-        record_on(scene, &tree, kernels[k], true, rays, RAYS, &renumbered);
-        record_on(scene, &tree, kernels[k], false, rays, RAYS, &as_it_is);
+        record_on(scene, &ordered, kernels[k], false, rays, &expected);
+        record_on(scene, &tree, kernels[k], true, rays, &renumbered);
+        record_on(scene, &tree, kernels[k], false, rays, &as_it_is);
         if (!is_same(&expected, &renumbered))
             fail_msg("%s (seed %llu): other steps than in preorder", kernels[k],
                      (unsigned long long)seed);
@@ -227,12 +228,12 @@ static void samples_are_runs_of_the_set(void **state)
     }
     make_random_tree(scene, 2, 1, &random, &tree);
     lay_out(&l, "stack", scene, &tree, 1, true);
-    check(bb_trace_steps(device, &l.request, &l.layout, rays, COUNT, COUNT, &all), "all");
+    check(bb_trace_steps(device, &l.request, &l.layout, rays, COUNT, BB_SAMPLE_ALL, &all), "all");
     assert_int_equal(all.rays, COUNT);
     for (uint32_t runs = RUNS / 16; runs <= RUNS; runs *= 2) {
         const uint32_t taken = runs / PART;
         check(bb_trace_steps(device, &l.request, &l.layout, rays, runs * BB_STEPS_RUN + 5,
-                             taken * BB_STEPS_RUN, &some),
+                             (bb_sample_size){taken * BB_STEPS_RUN, taken * BB_STEPS_RUN}, &some),
               "some");
         assert_int_equal(some.rays, taken * BB_STEPS_RUN);
         uint32_t long_ones = 0, run = 0;
@@ -273,8 +274,9 @@ static void other_kernels_are_refused(void **state)
         check(bb_instance_create(device, "lbvh", scene, 1, &instance), "create");
         check(bb_instance_build(&instance, scene, false, NULL), "build");
         lay_out(&l, refused[k].kernel, scene, &instance.tree, 1, false);
-        assert_int_equal(bb_trace_steps(device, &l.request, &l.layout, rays, RAYS, RAYS, &steps),
-                         BB_UNSUPPORTED);
+        assert_int_equal(
+            bb_trace_steps(device, &l.request, &l.layout, rays, RAYS, BB_SAMPLE_ALL, &steps),
+            BB_UNSUPPORTED);
         assert_non_null(strstr(bb_message(), refused[k].kernel));
         release_layout(&l);
         bb_instance_destroy(&instance);

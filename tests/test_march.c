@@ -133,7 +133,7 @@ static void expect_steps(const bed *b, bb_marcher *marcher, const bb_buffer *ray
     } else {
         r.marcher = marcher;
     }
-    check(bb_steps_record(device, launch, &r, RAYS, RAYS, &steps), "steps");
+    check(bb_steps_record(device, launch, &r, RAYS, BB_SAMPLE_ALL, &steps), "steps");
     step_sums *sums = sum_steps(&steps);
     for (uint32_t i = 0; i < RAYS; i++) {
         const uint32_t *of = sums[i].of;
@@ -150,7 +150,9 @@ static void expect_steps(const bed *b, bb_marcher *marcher, const bb_buffer *ray
     }
     free(sums);
     bb_steps sample;
-    check(bb_steps_record(device, launch, &r, RAYS, 2 * BB_STEPS_RUN, &sample), "sample");
+    check(bb_steps_record(device, launch, &r, RAYS,
+                          (bb_sample_size){2 * BB_STEPS_RUN, 2 * BB_STEPS_RUN}, &sample),
+          "sample");
     expect_sample(&steps, &sample);
     bb_steps_release(&sample);
     bb_steps_release(&steps);

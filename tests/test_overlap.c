@@ -37,7 +37,7 @@ static void expect_steps(overlapping *o, uint32_t count)
     bb_count *counts = malloc(count * sizeof *counts);
     check(bb_tet_search_code(&o->search, "overlap_tets", o->boundary, &code), "code");
     check(bb_buffer_read(o->counts, 0, count * sizeof *counts, counts), "counts");
-    check(bb_steps_record(device, launch, o, count, count, &steps), "steps");
+    check(bb_steps_record(device, launch, o, count, BB_SAMPLE_ALL, &steps), "steps");
     step_sums *sums = sum_steps(&steps);
     for (uint32_t i = 0; i < count; i++) {
         assert_int_equal(tested_nodes(&sums[i], code.footing.control), counts[i].nodes);

@@ -39,7 +39,7 @@ static void expect_steps(slicing *s, uint32_t count)
     bb_count *counts = malloc(count * sizeof *counts);
     check(bb_tet_search_code(&s->search, "slice_tets", s->boundary, &code), "code");
     check(bb_buffer_read(s->counts, 0, count * sizeof *counts, counts), "counts");
-    check(bb_steps_record(device, launch, s, count, count, &steps), "steps");
+    check(bb_steps_record(device, launch, s, count, BB_SAMPLE_ALL, &steps), "steps");
     assert_true((strstr(code.program, ":boundary=no") != NULL) ==
                 (bb_tet_search_has_boundary(s->search.way) && !s->boundary));
     step_sums *sums = sum_steps(&steps);

@@ -72,7 +72,7 @@ static void expect_steps(marching *m, const bb_count *counts)
     bb_simulated_code code = {.kernel = NULL};
     bb_steps steps;
     check(bb_tet_search_code(&m->search, "tet_march", m->interval, &code), "code");
-    check(bb_steps_record(device, launch, m, RAYS, RAYS, &steps), "steps");
+    check(bb_steps_record(device, launch, m, RAYS, BB_SAMPLE_ALL, &steps), "steps");
     step_sums *sums = sum_steps(&steps);
     for (uint32_t i = 0; i < RAYS; i++) {
         const uint32_t *of = sums[i].of;

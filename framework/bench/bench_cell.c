@@ -360,7 +360,7 @@ static bb_status simulate(bb_trace_set *set, bb_traced_cell *c, uint32_t layout)
     }
     enter(r, "simulate");
     bb_status status = bb_trace_steps(bench->device, &request, data, set->rays->rays, c->count,
-                                      BB_SIMT_RAYS, &steps);
+                                      BB_SIMT_SAMPLE, &steps);
     bb_guard_leave();
     BB_TRY(status);
     for (uint32_t i = 0; i < bench->simt_count && status == BB_OK; i++) {

@@ -66,7 +66,7 @@ static bb_status replay(bb_contest *c, const bb_contest_runner *way, uint32_t it
     bb_steps steps;
     asked self = {c, &runner, items};
     BB_TRY(by_ordered_layouts(c, &runner));
-    BB_TRY(bb_steps_record(request->device, launch, &self, items, BB_SIMT_RAYS, &steps));
+    BB_TRY(bb_steps_record(request->device, launch, &self, items, BB_SIMT_SAMPLE, &steps));
     bb_status status = check_answers(c, way, items);
     for (uint32_t i = 0; i < request->simt_count && status == BB_OK; i++)
         status = bb_simulate_code(&request->simts[i], code, &steps, &way->way->simulations[i]);

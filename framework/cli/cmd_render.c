@@ -163,7 +163,7 @@ static bb_status find_divergence(rendering *r)
                        footing.packet, r->kernel_spec.text);
     bb_steps steps;
     BB_TRY(bb_trace_steps(r->device, &request, &r->layout, r->rays->rays, r->rays->count,
-                          r->rays->count, &steps));
+                          BB_SAMPLE_ALL, &steps));
     bb_divergence(&steps, &footing, r->lanes, r->counts);
     bb_steps_release(&steps);
     return BB_OK;

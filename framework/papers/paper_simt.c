@@ -55,7 +55,7 @@ static bb_status compare(bb_device *device, const bb_lockstep_case *which,
 {
     const bb_footing footing = bb_footing_of(request, layout);
     bb_steps steps;
-    BB_TRY(bb_trace_steps(device, request, layout, rays, RAYS, RAYS, &steps));
+    BB_TRY(bb_trace_steps(device, request, layout, rays, RAYS, BB_SAMPLE_ALL, &steps));
     bb_issued sums[BB_LOCKSTEP_WIDTHS][BB_ISSUE_KINDS];
     bb_status status = bb_lockstep_run(device, which, request, layout, rays, RAYS, sums);
     for (uint32_t w = 0; w < BB_LOCKSTEP_WIDTHS && status == BB_OK; w++) {

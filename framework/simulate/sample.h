@@ -1,24 +1,29 @@
-/* Which rays a sample of a set has: runs of rays that follow each other, as many short and long
+/* Which rays of a set a sample has: runs of rays that follow each other, as many short and long
  * ones as the set has. */
 #ifndef BB_SAMPLE_H
 #define BB_SAMPLE_H
 
+#include "framework/base/status.h"
+
+#include <stdbool.h>
 #include <stdint.h>
 
 /* Rays of a sample that follow each other, so that groups have their neighbours. */
 enum { BB_STEPS_RUN = 1 << 6 };
 
-/* BB_STEPS_RUN rays that follow each other, and the steps of the longest of each few neighbours. */
-typedef struct bb_sample_run {
-    uint32_t number;
-    uint64_t steps;
-} bb_sample_run;
+/* Rays of a sample: `most`, or half as many, and so on, until their steps have room, but not fewer
+ * than `least`: a multiple of BB_STEPS_RUN, and `most` that by a power of two. */
+typedef struct bb_sample_size {
+    uint32_t least, most;
+} bb_sample_size;
 
-/* Adds the steps of rays first to first + count - 1 to their runs, which begin zeroed; `first` is a
- * multiple of BB_STEPS_RUN. */
-void bb_sample_add(const uint32_t *steps, uint32_t first, uint32_t count, bb_sample_run *runs);
+/* All rays of any set. */
+#define BB_SAMPLE_ALL ((bb_sample_size){UINT32_MAX, UINT32_MAX})
 
-/* Chooses `taken` of the runs, and puts these to the front, by their numbers. */
-void bb_sample_choose(bb_sample_run *runs, uint32_t count, uint32_t taken);
+/* Sets taken[i] to whether ray i is of the sample, and `rays` to how many are: all, if they are no
+ * more than size.most. steps[i] are those of ray i; so many in all have `room`. BB_REFUSED if the
+ * least sample has more. */
+bb_status bb_sample_take(const uint32_t *steps, uint32_t count, bb_sample_size size, uint64_t room,
+                         bool *taken, uint32_t *rays);
 
 #endif

@@ -13,10 +13,10 @@
 
 #define BB_SIMT "simt"
 
-enum {
-    BB_SIMT_RAYS = 1 << 16, /* of a sample: 2,048 groups of 32, or 1,024 of 64 */
-    BB_SIMT_MAX = 4,        /* simulations at once */
-};
+enum { BB_SIMT_MAX = 4 }; /* simulations at once */
+
+/* 8,192 groups of 32, or 4,096 of 64; at least a quarter of that. */
+#define BB_SIMT_SAMPLE ((bb_sample_size){.least = 1 << 16, .most = 1 << 18})
 
 /* What `--metrics simt:device=h100,width=32` asks for. */
 typedef struct bb_simt {

@@ -1,11 +1,5 @@
 #include "framework/simulate/steps.h"
 
-#include "framework/base/arithmetic.h"
-#include "framework/simulate/sample.h"
-
-#include <stdlib.h>
-#include <string.h>
-
 typedef struct recorder {
     bb_device *device;
     bb_recorded_launch launch;
@@ -29,51 +23,27 @@ static bb_status count_steps(recorder *r)
     return bb_buffer_read(&r->recording.counts, 0, bytes, r->all);
 }
 
-/* Takes all items, or a sample of their runs. */
-static bb_status choose_sample(recorder *r, uint32_t most)
-{
-    const uint32_t wanted = most / BB_STEPS_RUN;
-    BB_TRY(bb_host_alloc(NULL, r->count * sizeof *r->taken, "a sample", &r->taken));
-    memset(r->taken, r->count <= most, r->count * sizeof *r->taken);
-    if (r->count <= most)
-        return BB_OK;
-    bb_sample_run *runs = calloc((size_t)r->count / BB_STEPS_RUN + 1, sizeof *runs);
-    if (runs == NULL)
-        return bb_fail(BB_REFUSED, "no memory for a sample");
-    bb_sample_add(r->all, 0, r->count, runs);
-    bb_sample_choose(runs, r->count / BB_STEPS_RUN, wanted);
-    for (uint32_t i = 0; i < wanted; i++)
-        memset(r->taken + (size_t)runs[i].number * BB_STEPS_RUN, true,
-               BB_STEPS_RUN * sizeof *r->taken);
-    free(runs);
-    return BB_OK;
-}
-
 /* Gives room to the items of the sample alone, and turns counts into ends. */
 static bb_status give_room(recorder *r, bb_steps *steps, uint32_t *words)
 {
-    uint64_t end = 0;
+    uint32_t end = 0, n = 0;
+    BB_TRY(bb_host_alloc(NULL, steps->rays * sizeof *steps->ends, "ends of steps", &steps->ends));
     for (uint32_t i = 0; i < r->count; i++) {
         end += r->taken[i] ? r->all[i] : 0;
-        if (end > BB_STEPS_MOST)
-            return bb_fail(BB_REFUSED,
-                           "more than %u steps of %u items: there is no room to record them",
-                           (unsigned)BB_STEPS_MOST, steps->rays);
-        r->all[i] = (uint32_t)end;
-    }
-    *words = (uint32_t)end;
-    BB_TRY(bb_host_alloc(NULL, steps->rays * sizeof *steps->ends, "ends of steps", &steps->ends));
-    for (uint32_t i = 0, n = 0; i < r->count; i++)
+        r->all[i] = end;
         if (r->taken[i])
-            steps->ends[n++] = r->all[i];
+            steps->ends[n++] = end;
+    }
+    *words = end;
     return BB_OK;
 }
 
-static bb_status record(recorder *r, uint32_t most, bb_steps *steps)
+static bb_status record(recorder *r, bb_sample_size size, bb_steps *steps)
 {
     uint32_t words = 0;
     BB_TRY(count_steps(r));
-    BB_TRY(choose_sample(r, most));
+    BB_TRY(bb_host_alloc(NULL, r->count * sizeof *r->taken, "a sample", &r->taken));
+    BB_TRY(bb_sample_take(r->all, r->count, size, BB_STEPS_MOST, r->taken, &steps->rays));
     BB_TRY(give_room(r, steps, &words));
     const size_t bytes = words * sizeof *steps->words;
     if (words > 0)
@@ -85,11 +55,11 @@ static bb_status record(recorder *r, uint32_t most, bb_steps *steps)
 }
 
 bb_status bb_steps_record(bb_device *device, bb_recorded_launch launch, void *self, uint32_t count,
-                          uint32_t most, bb_steps *steps)
+                          bb_sample_size size, bb_steps *steps)
 {
     recorder r = {.device = device, .launch = launch, .self = self, .count = count};
-    *steps = (bb_steps){.rays = bb_min_u32(count, most)};
-    bb_status status = record(&r, most, steps);
+    *steps = (bb_steps){.rays = 0};
+    bb_status status = record(&r, size, steps);
     bb_host_free(r.all);
     bb_host_free(r.taken);
     bb_buffer_release(&r.recording.ends);

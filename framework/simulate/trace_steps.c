@@ -44,7 +44,7 @@ static bb_status launch(void *self, const bb_recording *recording)
 
 bb_status bb_trace_steps(bb_device *device, const bb_traverser_request *request,
                          const bb_layout_data *layout, const bb_ray *rays, uint32_t count,
-                         uint32_t most, bb_steps *steps)
+                         bb_sample_size size, bb_steps *steps)
 {
     bb_traverser_request recording = *request;
     recording.recording = true;
@@ -52,7 +52,7 @@ bb_status bb_trace_steps(bb_device *device, const bb_traverser_request *request,
     *steps = (bb_steps){.rays = 0};
     bb_status status = prepare(&t, device, &recording, layout, rays);
     if (status == BB_OK)
-        status = bb_steps_record(device, launch, &t, count, most, steps);
+        status = bb_steps_record(device, launch, &t, count, size, steps);
     release(&t);
     return status;
 }

@@ -10,6 +10,6 @@
  * BB_REFUSED if there is no room for all rays. */
 bb_status bb_trace_steps(bb_device *device, const bb_traverser_request *request,
                          const bb_layout_data *layout, const bb_ray *rays, uint32_t count,
-                         uint32_t most, bb_steps *steps);
+                         bb_sample_size size, bb_steps *steps);
 
 #endif

@@ -10,6 +10,8 @@ find_clang 15 19 || {
     echo "languages: skipped: neither clang 15 nor 19 with its libclc is installed"
     exit 77
 }
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
 status=0
 
 missing=$(comm -23 \
@@ -20,36 +22,49 @@ missing=$(comm -23 \
     status=1
 }
 
-# one PROGRAM: in all versions for all targets. Of the kernels that trace, which are built in many
-# variants, only 3.0 for the targets but SPIR-V, and not at all those that count tests.
-one() {
-    local program=$1 first target version log status=0
-    first=$(head -n 1 "$program")
-    # shellcheck disable=SC2046 # options are words
-    set -- $(options_of "$program")
-    for target in spir64 'amdgcn--amdhsa -mcpu=gfx90a' 'amdgcn--amdhsa -mcpu=gfx1030' \
-        nvptx64--nvidiacl; do
-        for version in 120 200 300; do
-            [ $version != 120 ] || [[ $first == *-cl-std=CL1.2* ]] || continue
-            case $first in
-            *BB_COUNTING=1*) [ "$target" = spir64 ] || continue ;;
-            *BB_COUNTING=0*) [ "$target" = spir64 ] || [ $version = 300 ] || continue ;;
-            esac
-            local features=()
-            [ $version = 120 ] || features=(-Xclang -cl-ext=+all)
-            # shellcheck disable=SC2086 # a target is words
-            log=$("clang-$clang" -x cl -target $target -nogpulib -fsyntax-only -w "${features[@]}" \
-                -cl-std="CL${version:0:1}.${version:1:1}" -D__OPENCL_VERSION__=$version \
-                "$@" "$program" 2>&1) || {
-                echo "languages: ${program##*/}, OpenCL $version, $target: $log"
-                status=1
-            }
-        done
-    done
-    return $status
+# The compiler takes many programs at once, but then the same options for all. So each program's own
+# become its first lines.
+programs_in "$records" | xargs awk -v work="$work" '
+    FNR == 1 {
+        close(program)
+        name = FILENAME
+        sub(/.*\//, "", name)
+        program = work "/" name
+        tracing = match($0, /BB_COUNTING=[01]/) ? substr($0, RSTART + RLENGTH - 1, 1) : "no"
+        print program, tracing, index($0, "-cl-std=CL1.2") ? 120 : 200 >(work "/list")
+        for (i = 1; i <= NF; i++)
+            if (sub(/^-D/, "", $i))
+                print "#define " (sub(/=/, " ", $i) ? $i : $i " 1") >program
+        print "#line 2" >program
+        next
+    }
+    { print >program }'
+
+# check TARGET CPU VERSION TRACING ...: programs of these kinds: `no` for those that do not trace, 0
+# for those that do, 1 for those that count tests.
+check() {
+    local target=$1 cpu=$2 version=$3 log
+    local options=(-triple "$target" ${cpu:+-target-cpu "$cpu"} -cl-std="CL${version:0:1}.${version:1:1}"
+        -D__OPENCL_VERSION__="$version" -finclude-default-header -fdeclare-opencl-builtins
+        -internal-isystem "$("clang-$clang" -print-resource-dir)/include")
+    [ "$version" = 120 ] || options+=(-cl-ext=+all)
+    shift 3
+    log=$(awk -v version="$version" -v kinds=" $* " \
+        '$3 <= version && index(kinds, " " $2 " ") { print $1 }' "$work/list" |
+        xargs -P 2 -n 32 "clang-$clang" -cc1 -fsyntax-only -w "${options[@]}" 2>&1) || {
+        echo "languages: OpenCL $version, $target $cpu:" "${log//$work\//}"
+        status=1
+    }
 }
-export -f one options_of
-export clang
-programs_in "$records" | xargs -P 2 -L 1 bash -c 'one "$@"' one || status=1
-echo "languages: $(programs_in "$records" | wc -l) programs, clang $clang"
+
+# Of the kernels that trace, which are built in many variants, only 3.0 for the targets but SPIR-V,
+# and not at all those that count tests.
+for version in 120 200 300; do
+    check spir64 '' $version no 0 1
+    for target in 'amdgcn--amdhsa gfx90a' 'amdgcn--amdhsa gfx1030' 'nvptx64--nvidiacl '; do
+        # shellcheck disable=SC2086 # a processor, or nothing
+        check ${target% *} "${target#* }" $version no $([ $version != 300 ] || echo 0)
+    done
+done
+echo "languages: $(wc -l <"$work/list") programs, clang $clang"
 exit $status
