@@ -175,6 +175,32 @@ static void other_intersectors_are_left_out(void **state)
     cJSON_Delete(results);
 }
 
+/* By default each kernel is simulated, and none is simulated as another one is. */
+static void default_kernels_are_simulated(void **state)
+{
+    (void)state;
+    const outcome *o = run("run --scene soup:n=200 --builder lbvh --rays random --max-rays 500 "
+                           "--repeats 1 --no-pictures --charts no --metrics simt --out default");
+    assert_int_equal(o->exit_status, 0);
+    cJSON *results = read_results("default/results.json");
+    const cJSON *trace;
+    double bounds[8];
+    uint32_t count = 0;
+    cJSON_ArrayForEach(trace, traces_of(results))
+    {
+        if (strcmp(text_of(trace, "builder"), "lbvh") != 0)
+            continue;
+        const cJSON *bound = cJSON_GetArrayItem(cJSON_GetObjectItem(trace, "simt_mrays_s"), 0);
+        assert_true(cJSON_IsNumber(bound));
+        for (uint32_t i = 0; i < count; i++)
+            assert_true(bounds[i] != bound->valuedouble);
+        assert_in_range(count, 0, sizeof bounds / sizeof bounds[0] - 1);
+        bounds[count++] = bound->valuedouble;
+    }
+    assert_in_range(count, 2, 8);
+    cJSON_Delete(results);
+}
+
 /* A build that fails in the form for GPUs is not simulated; what was measured stays as it is. */
 static void failures_are_the_simulations_alone(void **state)
 {
@@ -248,6 +274,7 @@ int main(void)
         cmocka_unit_test(exact_figures_are_compared),
         cmocka_unit_test(what_is_no_device_is_refused),
         cmocka_unit_test(other_intersectors_are_left_out),
+        cmocka_unit_test(default_kernels_are_simulated),
         cmocka_unit_test(failures_are_the_simulations_alone),
         cmocka_unit_test(builds_on_the_host_are_left_out),
         cmocka_unit_test(divergence_is_drawn),

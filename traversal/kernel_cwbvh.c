@@ -3,6 +3,7 @@
 
 static const bb_variants variants[] = {
     {BB_FOR_GPU, BB_ROLE_COMPARED, "cwbvh:leaf=3"},
+    {BB_FOR_ALL, BB_ROLE_SIMULATED, "cwbvh:leaf=3"},
     {BB_FOR_CPU, BB_ROLE_TRIED, "cwbvh:leaf=3"},
     {.devices = 0},
 };

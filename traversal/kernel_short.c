@@ -9,6 +9,7 @@ static const bb_option options[] = {BB_ENTRIES_OPTION("4"), {.name = NULL}};
  * faster. */
 static const bb_variants variants[] = {
     {BB_FOR_GPU, BB_ROLE_COMPARED, "short"},
+    {BB_FOR_ALL, BB_ROLE_SIMULATED, "short"},
     {.devices = 0},
 };
 

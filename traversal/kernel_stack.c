@@ -1,10 +1,12 @@
 /* The stack kernel: kernels/stack.cl. */
 #include "traversal/traversal.h"
 
-/* The persistent form is Aila and Laine's; on CPUs the driver distributes work as well. There,
- * kernels that use the lanes of vectors are compared: by one ray at a time, none is near them. */
+/* The persistent form is Aila and Laine's; on CPUs the driver distributes work as well, and in
+ * simulations it is as the other. On CPUs, kernels that use the lanes of vectors are compared: by
+ * one ray at a time, none is near them. */
 static const bb_variants variants[] = {
     {BB_FOR_GPU, BB_ROLE_COMPARED, "stack,stack:persistent=yes"},
+    {BB_FOR_ALL, BB_ROLE_SIMULATED, "stack"},
     {BB_FOR_CPU, BB_ROLE_TRIED, "stack"},
     {BB_FOR_ALL, BB_ROLE_TRIED, "stack:leaf=4"},
     {.devices = 0},

@@ -14,6 +14,9 @@ enum { BB_FOR_CPU = 1u << 0, BB_FOR_GPU = 1u << 1, BB_FOR_ALL = BB_FOR_CPU | BB_
 #define BB_ROLE_COMPARED "compared" /* The variants are measured against others. */
 #define BB_ROLE_TRIED "tried"       /* `advise` tries the variants besides those. */
 
+/* Role of kernels. */
+#define BB_ROLE_SIMULATED "simulated" /* Traces by the variants are simulated. */
+
 /* Roles of builders. */
 #define BB_ROLE_LEAST "least"             /* The variants take no more than the scene needs. */
 #define BB_ROLE_GENEROUS "generous"       /* One variant is enough for any scene. */

@@ -151,7 +151,7 @@ static void choose_sizes(comparison *c, uint32_t device)
 }
 
 /* `none` of the rays: no workloads, and no kernels but those that were asked for, whose layouts are
- * made. If traces are simulated on a GPU, the default is the kernels for GPUs. */
+ * made. If traces are simulated, the default is the kernels that declare that. */
 static bb_status choose_traces(comparison *c)
 {
     bb_names *rays = &c->entrants.workloads, *kernels = &c->entrants.kernels;
@@ -170,7 +170,7 @@ static bb_status choose_traces(comparison *c)
     if (none && kernels->count == 0)
         return BB_OK;
     if (simulated && kernels->count == 0)
-        return bb_add_compared_kernels(kernels, BB_FOR_GPU);
+        return bb_add_kernels(kernels, BB_ROLE_SIMULATED, BB_FOR_GPU);
     return bb_choose_kernels(kernels, c->device.name);
 }
 

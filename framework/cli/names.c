@@ -235,11 +235,11 @@ static bb_status add_all_kernels(bb_names *names)
     return BB_OK;
 }
 
-bb_status bb_add_compared_kernels(bb_names *names, uint32_t kind)
+bb_status bb_add_kernels(bb_names *names, const char *role, uint32_t kind)
 {
     for (const bb_kernel *const *k = bb_kernels; *k != NULL; k++)
-        for (const bb_variants *v = (*k)->variants;
-             (v = bb_variants_of(v, BB_ROLE_COMPARED, kind)) != NULL; v++)
+        for (const bb_variants *v = (*k)->variants; (v = bb_variants_of(v, role, kind)) != NULL;
+             v++)
             BB_TRY(bb_names_add(names, v->specs));
     return BB_OK;
 }
@@ -248,7 +248,7 @@ bb_status bb_choose_kernels(bb_names *names, const char *device)
 {
     static const list kernels = {"kernel", add_all_kernels, offsetof(spelt, cell.kernel)};
     return names->count > 0 ? choose(&kernels, NULL, names)
-                            : bb_add_compared_kernels(names, bb_device_find_kind(device));
+                            : bb_add_kernels(names, BB_ROLE_COMPARED, bb_device_find_kind(device));
 }
 
 static bb_status add_all_rays(bb_names *names)

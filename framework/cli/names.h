@@ -35,8 +35,8 @@ bb_status bb_choose_entrants(bb_names *names, const bb_names *tracers);
 
 /* The default: the kernels to compare on the device that `device` selects. */
 bb_status bb_choose_kernels(bb_names *names, const char *device);
-/* Adds the kernels to compare on devices of this kind: BB_FOR_... */
-bb_status bb_add_compared_kernels(bb_names *names, uint32_t kind);
+/* Adds the variants of kernels with this role on devices of this kind: BB_FOR_... */
+bb_status bb_add_kernels(bb_names *names, const char *role, uint32_t kind);
 /* An empty list stays empty. */
 bb_status bb_choose_rays(bb_names *names);
 bb_status bb_choose_intersectors(bb_names *names);
