@@ -145,8 +145,8 @@ static void record_on(const bb_scene *scene, bb_tree *tree, const char *kernel, 
 
 static bool is_same(const bb_steps *a, const bb_steps *b)
 {
-    return memcmp(a->ends, b->ends, RAYS * sizeof *a->ends) == 0 &&
-           memcmp(a->words, b->words, a->ends[RAYS - 1] * sizeof *a->words) == 0;
+    return a->rays == b->rays && memcmp(a->ends, b->ends, a->rays * sizeof *a->ends) == 0 &&
+           memcmp(a->words, b->words, a->ends[a->rays - 1] * sizeof *a->words) == 0;
 }
 
 /* Nodes in whatever order, as threads may leave them: the steps are those of the tree in preorder.
@@ -230,6 +230,15 @@ static void samples_are_runs_of_the_set(void **state)
     lay_out(&l, "stack", scene, &tree, 1, true);
     check(bb_trace_steps(device, &l.request, &l.layout, rays, COUNT, BB_SAMPLE_ALL, &all), "all");
     assert_int_equal(all.rays, COUNT);
+    /* the same in several launches, where no buffer has room for all */
+    const uint64_t largest = device->largest_allocation;
+    device->largest_allocation = sizeof rays;
+    assert_true(all.ends[COUNT - 1] * sizeof *all.words > 2 * sizeof rays);
+    check(bb_trace_steps(device, &l.request, &l.layout, rays, COUNT, BB_SAMPLE_ALL, &some),
+          "parts");
+    device->largest_allocation = largest;
+    assert_true(is_same(&all, &some));
+    bb_steps_release(&some);
     for (uint32_t runs = RUNS / 16; runs <= RUNS; runs *= 2) {
         const uint32_t taken = runs / PART;
         check(bb_trace_steps(device, &l.request, &l.layout, rays, runs * BB_STEPS_RUN + 5,

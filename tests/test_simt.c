@@ -105,6 +105,43 @@ static void exact_figures_are_compared(void **state)
              folder, folder);
     assert_int_equal(system(command), 0);
     expect(1, "compare one worse.json", "simt_build_launches");
+    /* a share, or figures of another sample, are neither better nor worse */
+    snprintf(command, sizeof command,
+             "sed 's/\"simt_l1_hits\":[0-9.]*/\"simt_l1_hits\":0.01/' %s/one/results.json "
+             ">%s/other.json",
+             folder, folder);
+    assert_int_equal(system(command), 0);
+    expect(0, "compare one other.json", "simt_l1_hits");
+    snprintf(command, sizeof command,
+             "sed 's/\"simt_steps_per_ray\":[0-9.]*/\"simt_steps_per_ray\":9999/; "
+             "s/\"simt_rays\":[0-9]*/\"simt_rays\":64/' %s/one/results.json >%s/other.json",
+             folder, folder);
+    assert_int_equal(system(command), 0);
+    expect(0, "compare one other.json", "simt_steps_per_ray");
+}
+
+/* The device of the file `name`, as results call it. */
+static bb_simt device_of(const char *name)
+{
+    char text[1024];
+    char *const metrics[] = {text};
+    bb_simt simts[BB_SIMT_MAX];
+    uint32_t count;
+    snprintf(text, sizeof text, "simt:device=%s/%s", folder, name);
+    assert_int_equal(bb_simts_parse(metrics, 1, simts, &count), BB_OK);
+    return simts[0];
+}
+
+/* Two files may have one name. */
+static void is_known_by_its_figures(const char *good)
+{
+    char text[1024];
+    snprintf(text, sizeof text, "%s", good);
+    write_file("same.json", text, strlen(text));
+    memcpy(strstr(text, "\"units\":2"), "\"units\":3", 9);
+    write_file("other.json", text, strlen(text));
+    assert_string_equal(device_of("good.json").name, device_of("same.json").name);
+    assert_string_not_equal(device_of("good.json").name, device_of("other.json").name);
 }
 
 static void what_is_no_device_is_refused(void **state)
@@ -133,6 +170,7 @@ static void what_is_no_device_is_refused(void **state)
         {"\"name\":\"x\"", "\"name\":\"x,width=64\"", "'name' may have lower-case letters"},
         {"\"name\":\"x\"", "\"name\":\"h100\"", "a device that there is already"},
         {"\"units\":2", "\"units\":4096", "'units' must be"},
+        {"\"units\":2", "\"units\":2,\"units\":3", "member 'units' is there twice"},
     };
     char text[1024];
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
@@ -149,11 +187,14 @@ static void what_is_no_device_is_refused(void **state)
     refuses("", RUN "--metrics simt:units=4 --out none", "units");
     refuses("", RUN "--metrics simt,simt:device=h100 --out none", "is given twice");
     assert_int_not_equal(access("none", F_OK), 0);
+    write_file("bad.json", good, sizeof good);
+    refuses("", RUN "--metrics simt:device=bad.json --out none", "has a byte of value 0");
     write_file("good.json", good, sizeof good - 1);
     expect(0,
            "run --scene soup:n=200 --builder lbvh --kernel stack --rays random --max-rays 500 "
            "--repeats 1 --no-pictures --charts no --metrics simt:device=good.json --out good",
-           "Simulated: neither measured nor validated, device=x,width=32:");
+           "Simulated: neither measured nor validated, device=x-");
+    is_known_by_its_figures(good);
 }
 
 /* Only of `exact` is the code known. */

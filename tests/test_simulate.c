@@ -241,6 +241,14 @@ static void bounds_are_those_of_the_device(void **state)
     assert_true(isnan(less.mrays_s) && isnan(less.issue_mrays_s) && isnan(less.efficiency));
     assert_true(less.l1_mrays_s > 0 && less.memory_mrays_s > 0 && less.node_efficiency > 0);
 
+    /* steps have no bits for more nodes, or primitives */
+    bb_simulated_code large = unknown;
+    large.footing.nodes_bytes = (uint64_t)64 << 28;
+    assert_int_equal(bb_simulate_code(&simt, &large, &made, &less), BB_UNSUPPORTED);
+    large = unknown;
+    large.footing.prims_bytes = (uint64_t)48 << 28;
+    assert_int_equal(bb_simulate_code(&simt, &large, &made, &less), BB_UNSUPPORTED);
+
     /* registers, and the most groups, limit what is in flight */
     const bb_description d = {.groups = 64, .registers = 65536, .register_step = 8};
     assert_int_equal(bb_description_in_flight(&d, 32, 32), 64);

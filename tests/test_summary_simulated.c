@@ -62,13 +62,16 @@ static void simulations_are_said_beside_what_was_measured(void **state)
     assert_near(first->stability, 1);
     assert_near(second->correlation, 1.0 / 3);
     assert_near(second->stability, 1.0 / 3);
-    assert_int_equal(first->binds, BB_BY_ISSUE);
-    assert_int_equal(second->binds, BB_BY_MEMORY);
+    const size_t z = (size_t)(row_of(&s, "z") - s.rows);
+    assert_int_equal(first->binds[x], BB_BY_ISSUE);
+    assert_int_equal(second->binds[x], BB_BY_MEMORY);
+    assert_int_equal(second->binds[z], BB_BY_SECOND);
     /* ranks are of what was measured */
     assert_int_equal(x, 0);
     assert_int_equal(row_of(&s, "y")->group, 1);
     expect_words(&s, "Simulated",
-                 "neither measured nor validated, device=d,width=32: x 80 Mrays/s");
+                 "neither measured nor validated, device=d,width=32: x 80.0 Mrays/s, bound by "
+                 "issue most often");
     expect_words(&s, "Simulated", "y 0.75x");
     const char *last = s.sentences[s.sentence_count - 1].text;
     assert_non_null(strstr(last, "agree with those of device=d,width=32 by 0.33"));
@@ -105,7 +108,7 @@ static void simulations_that_lack_sets_have_no_mean(void **state)
     assert_int_equal(bb_summary_make(d, &(bb_summary_choice){NULL, NULL}, &s), BB_OK);
     const size_t w = (size_t)(row_of(&s, "w") - s.rows);
     assert_true(isnan(s.simulations[0].mrays_s[w]) && isnan(s.simulations[1].mrays_s[w]));
-    expect_words(&s, "Simulated", "x 80 Mrays/s");
+    expect_words(&s, "Simulated", "x 80.0 Mrays/s, bound by issue most often");
     bb_summary_free(&s);
     bb_results_destroy(d);
     d = three_builders();

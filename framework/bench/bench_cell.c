@@ -363,14 +363,17 @@ static bb_status simulate(bb_trace_set *set, bb_traced_cell *c, uint32_t layout)
                                       BB_SIMT_SAMPLE, &steps);
     bb_guard_leave();
     BB_TRY(status);
-    for (uint32_t i = 0; i < bench->simt_count && status == BB_OK; i++) {
+    for (uint32_t i = 0; i < bench->simt_count; i++) {
         const bb_simt *simt = &bench->simts[i];
-        snprintf(r->simulated[i].name, sizeof r->simulated[i].name, "%s", simt->name);
-        status = bb_simulate(simt, &request, data, &steps, &r->simulated[i].simulation);
-        r->simulated_count += status == BB_OK;
+        const uint32_t n = r->simulated_count;
+        snprintf(r->simulated[n].name, sizeof r->simulated[n].name, "%s", simt->name);
+        if (bb_simulate(simt, &request, data, &steps, &r->simulated[n].simulation) == BB_OK)
+            r->simulated_count++;
+        else
+            note_unsimulated(bench, &bench->kernels[c->kernel], bb_message());
     }
     bb_steps_release(&steps);
-    return status;
+    return BB_OK;
 }
 
 bb_status bb_trace_simulate(bb_trace_set *set, bb_traced_cell *c)

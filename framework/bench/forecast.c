@@ -4,6 +4,7 @@
 #include "framework/base/interrupt.h"
 #include "framework/base/memory.h"
 #include "framework/bench/bench_private.h"
+#include "framework/simulate/simulate.h"
 #include "framework/workload/workload.h"
 
 #include <math.h>
@@ -21,9 +22,10 @@ enum {
 typedef enum growth {
     WITH_PRIMS = 1,
     WITH_ROUNDS = 2,
-    WITH_RAYS = 4,    /* of all ray sets */
-    WITH_COUNTED = 8, /* the rays that are counted of each set */
-    WITH_PIXELS = 16,
+    WITH_RAYS = 4,       /* of all ray sets */
+    WITH_COUNTED = 8,    /* the rays that are counted of each set */
+    WITH_SIMULATED = 16, /* the rays that are simulated of each set */
+    WITH_PIXELS = 32,
 } growth;
 
 /* All others take as long as in the small comparison, as those of growth 0 do. */
@@ -51,7 +53,8 @@ static const struct {
     {"poison and copy answers", WITH_RAYS | WITH_ROUNDS},
     {"judge answers", WITH_RAYS},
     {"count tests", WITH_COUNTED},
-    {"simulate", WITH_COUNTED},
+    {"simulate", WITH_SIMULATED},
+    {"simulate builds", WITH_PRIMS},
     {"pictures", WITH_PIXELS},
 };
 
@@ -65,7 +68,7 @@ bool bb_bench_knows_growth(const char *step)
 
 /* How many times as much there is of everything. */
 typedef struct scale {
-    double prims, rounds, rays, counted;
+    double prims, rounds, rays, counted, simulated;
     double pixels; /* of pictures */
 } scale;
 
@@ -76,6 +79,7 @@ static double grown(double ms, unsigned growth, const scale *by)
     ms *= (growth & WITH_PRIMS) != 0 ? by->prims : 1;
     ms *= (growth & WITH_ROUNDS) != 0 ? by->rounds : 1;
     ms *= (growth & WITH_RAYS) != 0 ? by->rays : 1;
+    ms *= (growth & WITH_SIMULATED) != 0 ? by->simulated : 1;
     ms *= (growth & WITH_PIXELS) != 0 ? by->pixels : 1;
     return ms * ((growth & WITH_COUNTED) != 0 ? by->counted : 1);
 }
@@ -175,17 +179,24 @@ static double ratio(double whole, double small)
     return small > 0 ? whole / small : 0;
 }
 
+/* How many times as many rays there are of all sets, of each at most `most`. */
+static double more_of(const bb_bench_request *whole, const bb_bench_request *small,
+                      const bb_scene *scene, double most)
+{
+    return ratio(rays_of(whole, scene, most), rays_of(small, scene, most));
+}
+
 static scale scale_of(const bb_bench_request *whole, const bb_bench_request *small,
                       const bb_scene *scene, double sample_prims)
 {
-    const double prims = scene->prim_count, rays = rays_of(whole, scene, INFINITY);
+    const double prims = scene->prim_count;
     const double deeper = prims > sample_prims ? log2(prims) / log2(sample_prims) : 1;
     const double pixels = (double)whole->width * whole->height;
     return (scale){.prims = prims / sample_prims,
                    .rounds = (whole->repeats + 1.0) / (small->repeats + 1.0),
-                   .rays = deeper * ratio(rays, rays_of(small, scene, INFINITY)),
-                   .counted = deeper * ratio(rays_of(whole, scene, BB_COUNTED_RAYS),
-                                             rays_of(small, scene, BB_COUNTED_RAYS)),
+                   .rays = deeper * more_of(whole, small, scene, INFINITY),
+                   .counted = deeper * more_of(whole, small, scene, BB_COUNTED_RAYS),
+                   .simulated = deeper * more_of(whole, small, scene, BB_SIMT_SAMPLE.most),
                    .pixels = ratio(pixels, (double)small->width * small->height)};
 }
 

@@ -3,6 +3,7 @@
 #include "framework/compare/family.h"
 #include "framework/compare/figures.h"
 #include "framework/device/bystanders.h"
+#include "framework/record/schema.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -85,6 +86,15 @@ static bb_status compare_one_sided(bb_comparison_result *result, const bb_measur
     return add_move(result, &move);
 }
 
+/* Returns false for simulations of more rays or fewer: which is better, their figures do not say.
+ */
+static bool is_same_sample(const bb_measured *before, const bb_measured *after)
+{
+    const char *name = bb_fields[BB_F_SIMT_RAYS].name;
+    const double a = bb_measured_figure(before, name), b = bb_measured_figure(after, name);
+    return isnan(a) || isnan(b) || a == b;
+}
+
 static bb_status compare_figure(bb_comparison_result *result, const bb_measured *before,
                                 const bb_measured *after, const char *name)
 {
@@ -104,9 +114,9 @@ static bb_status compare_figure(bb_comparison_result *result, const bb_measured 
     move.to = more ? b.low : b.high;
     move.effect.ratio = move.from != 0 ? move.to / move.from : (double)NAN;
     const bb_better better = bb_measured_better(after, name);
-    move.verdict = better == BB_BETTER_NEITHER          ? BB_CHANGED
-                   : more == (better == BB_BETTER_LESS) ? BB_WORSE
-                                                        : BB_BETTER;
+    move.verdict = better == BB_BETTER_NEITHER || !is_same_sample(before, after) ? BB_CHANGED
+                   : more == (better == BB_BETTER_LESS)                          ? BB_WORSE
+                                                                                 : BB_BETTER;
     if (bb_figure_is_judged(name) && move.to == 0)
         move.verdict = BB_WORSE;
     return add_move(result, &move);

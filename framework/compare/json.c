@@ -75,13 +75,16 @@ static void put_simulation(bb_json *json, const bb_summary *s, const bb_summary_
 {
     bb_json_object(json, NULL);
     bb_json_add_text(json, "name", of->name);
-    bb_json_add_text(json, "binds", bb_binding_word(of->binds));
     bb_json_add_number(json, "sets", of->sets);
     bb_json_add_number(json, "correlation", of->correlation);
     bb_json_add_number(json, "stability", of->stability);
     bb_json_array(json, "mrays_s"); /* of each row */
     for (uint32_t i = 0; i < s->row_count; i++)
         bb_json_add_number(json, NULL, of->mrays_s[i]);
+    bb_json_end_array(json);
+    bb_json_array(json, "binds");
+    for (uint32_t i = 0; i < s->row_count; i++)
+        bb_json_add_text(json, NULL, bb_binding_word(of->binds[i]));
     bb_json_end_array(json);
     bb_json_end_object(json);
 }

@@ -58,7 +58,6 @@ static uint32_t sum_of(const binding_counts counts)
 static void fill(const bb_results *results, const bb_summary_choice *choice, const bb_summary *s,
                  binding_counts *counts, bb_summary_simulation *of)
 {
-    binding_counts all = {0};
     bb_each(trace, bb_results_section(results, BB_TRACES))
     {
         for (uint32_t i = 0; i < s->builder_count; i++) {
@@ -73,15 +72,12 @@ static void fill(const bb_results *results, const bb_summary_choice *choice, con
     }
     for (uint32_t i = 0; i < s->builder_count; i++) {
         of->sets = sum_of(counts[i]) > of->sets ? sum_of(counts[i]) : of->sets;
-        of->binds_row[i] = most_frequent(counts[i]);
-        for (int b = 0; b < BB_BINDINGS; b++)
-            all[b] += counts[i][b];
+        of->binds[i] = most_frequent(counts[i]);
     }
     for (uint32_t i = 0; i < s->row_count; i++)
         of->mrays_s[i] = of->sets > 0 && sum_of(counts[i]) == of->sets
                              ? exp(of->mrays_s[i] / of->sets)
                              : (double)NAN;
-    of->binds = most_frequent(all);
 }
 
 static bb_status simulate(const bb_results *results, const bb_summary_choice *choice,
@@ -92,8 +88,8 @@ static bb_status simulate(const bb_results *results, const bb_summary_choice *ch
     double *measured = calloc(rows, sizeof *measured);
     *of = (bb_summary_simulation){.name = name,
                                   .mrays_s = calloc(rows, sizeof *of->mrays_s),
-                                  .binds_row = calloc(rows, sizeof *of->binds_row)};
-    if (counts == NULL || measured == NULL || of->mrays_s == NULL || of->binds_row == NULL) {
+                                  .binds = calloc(rows, sizeof *of->binds)};
+    if (counts == NULL || measured == NULL || of->mrays_s == NULL || of->binds == NULL) {
         free(counts);
         free(measured);
         return bb_fail(BB_FAILED, "summary: no memory");

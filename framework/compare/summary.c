@@ -498,7 +498,7 @@ void bb_summary_free(bb_summary *summary)
     free(summary->accuracy);
     for (uint32_t i = 0; i < summary->simulation_count; i++) {
         free(summary->simulations[i].mrays_s);
-        free(summary->simulations[i].binds_row);
+        free(summary->simulations[i].binds);
     }
     memset(summary, 0, sizeof *summary);
 }

@@ -88,11 +88,10 @@ typedef struct bb_summary_simulation {
     /* of each row, with its fastest kernel on each ray set, the geometric mean of the bounds; NAN:
      * not of all ray sets, or a reference */
     double *mrays_s;
-    bb_binding *binds_row; /* of each row: on most of its ray sets */
-    uint32_t sets;         /* ray sets */
-    bb_binding binds;      /* on most of them, over all rows */
-    double correlation;    /* Kendall's, of the builders' ranks with those measured; NAN: too few */
-    double stability;      /* the same with the ranks of the first simulation */
+    bb_binding *binds;  /* of each row: what binds it most often */
+    uint32_t sets;      /* ray sets */
+    double correlation; /* Kendall's, of the builders' ranks with those measured; NAN: too few */
+    double stability;   /* the same with the ranks of the first simulation */
 } bb_summary_simulation;
 
 typedef struct bb_sentence {

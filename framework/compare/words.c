@@ -1,6 +1,7 @@
 /* Says in sentences what follows from the rows. */
 #include "framework/compare/prediction.h"
 #include "framework/compare/summary_private.h"
+#include "framework/table/figure.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -366,8 +367,7 @@ static void say_swaps(bb_sentence *sentence, const bb_summary *s, const bb_summa
                 continue;
             const uint32_t a = before > 0 ? i : k, b = before > 0 ? k : i;
             say(sentence, "%s %s (%s) behind %s (%s)", swaps == 1 ? ":" : ",", s->rows[a].name,
-                bb_binding_word(of->binds_row[a]), s->rows[b].name,
-                bb_binding_word(of->binds_row[b]));
+                bb_binding_word(of->binds[a]), s->rows[b].name, bb_binding_word(of->binds[b]));
         }
     if (swaps > 3)
         say(sentence, " and %u pairs more", swaps - 3);
@@ -378,12 +378,11 @@ static void say_simulated(bb_summary *s, const bb_summary_simulation *of)
     const uint32_t first = first_simulated(s, of, UINT32_MAX), next = first_simulated(s, of, first);
     if (first == UINT32_MAX)
         return;
+    char mrays_s[BB_FIGURE_MAX];
     bb_sentence *sentence = begin(s, "Simulated");
-    say(sentence,
-        "neither measured nor validated, %s: %s %.0f Mrays/s, bound by %s on most ray "
-        "sets",
-        of->name + sizeof BB_SIMT, s->rows[first].name, of->mrays_s[first],
-        bb_binding_word(of->binds));
+    say(sentence, "neither measured nor validated, %s: %s %s Mrays/s, bound by %s most often",
+        of->name + sizeof BB_SIMT, s->rows[first].name, bb_figure(mrays_s, of->mrays_s[first], -1),
+        bb_binding_word(of->binds[first]));
     if (next != UINT32_MAX)
         say(sentence, "; %s %.2fx", s->rows[next].name, of->mrays_s[next] / of->mrays_s[first]);
     if (isfinite(of->correlation))

@@ -1,6 +1,7 @@
 #include "framework/simulate/description.h"
 
 #include "framework/base/file.h"
+#include "framework/base/identity.h"
 #include "framework/base/suggest.h"
 #include "framework/device/device_private.h"
 
@@ -11,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { FILE_LIMIT = 1 << 20 };
+enum { FILE_LIMIT = 1 << 20, NAME_MOST = 22 };
 
 static const char ENDING[] = ".json";
 
@@ -54,10 +55,21 @@ static bb_status read_text(const cJSON *document, const char *what, const char *
     return BB_OK;
 }
 
+static bb_status refuse_twins(const cJSON *document, const char *what)
+{
+    const cJSON *item;
+    cJSON_ArrayForEach(
+        item, document) if (cJSON_GetObjectItemCaseSensitive(document, item->string) !=
+                            item) return bb_fail(BB_INVALID, "%s: member '%.40s' is there twice",
+                                                 what, item->string);
+    return BB_OK;
+}
+
 static bb_status read_members(const cJSON *document, const char *what, bb_description *d)
 {
     static const char *const codes[] = {"sm_90", "gfx1030", "gfx90a"};
-    BB_TRY(read_text(document, what, "name", d->name, sizeof d->name));
+    BB_TRY(refuse_twins(document, what));
+    BB_TRY(read_text(document, what, "name", d->name, NAME_MOST + 1));
     BB_TRY(read_text(document, what, "title", d->title, sizeof d->title));
     BB_TRY(read_text(document, what, "code", d->code, sizeof d->code));
     bool known = false;
@@ -145,6 +157,21 @@ static bb_status unknown(const char *name)
                    bb_suggested(&meant), names);
 }
 
+/* Another file may have the same name: what has other figures is another device. */
+static bb_status add_hash(bb_description *d)
+{
+    uint64_t hash;
+    char name[sizeof d->name];
+    bb_identity *identity = bb_identity_begin();
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++)
+        bb_identity_add(identity, (const char *)d + numbers[i].at, sizeof(double));
+    bb_identity_add_text(identity, d->code);
+    BB_TRY(bb_identity_end(identity, "device", &hash));
+    snprintf(name, sizeof name, "%.*s-%08x", NAME_MOST, d->name, (uint32_t)hash);
+    memcpy(d->name, name, sizeof name);
+    return BB_OK;
+}
+
 bb_status bb_description_read(const char *text, bb_description *description)
 {
     *description = (bb_description){.units = 0};
@@ -155,15 +182,17 @@ bb_status bb_description_read(const char *text, bb_description *description)
     char *data;
     size_t size;
     BB_TRY(bb_file_read(text, FILE_LIMIT, "device", &data, &size));
-    bb_status status = parse(data, text, description);
+    bb_status status = strlen(data) == size
+                           ? parse(data, text, description)
+                           : bb_fail(BB_INVALID, "%s: is no text: it has a byte of value 0", text);
     free(data);
-    if (status == BB_OK)
-        status = check_name(text, description->name);
-    if (status == BB_OK && find(description->name) != NULL)
+    BB_TRY(status);
+    BB_TRY(check_name(text, description->name));
+    if (find(description->name) != NULL)
         return bb_fail(BB_INVALID,
                        "%s: member 'name' is '%s', a device that there is already: give it another",
                        text, description->name);
-    return status;
+    return add_hash(description);
 }
 
 uint32_t bb_description_in_flight(const bb_description *d, uint32_t registers, uint32_t width)

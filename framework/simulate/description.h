@@ -17,8 +17,9 @@ typedef struct bb_description {
     double memory_gb_s;
 } bb_description;
 
-/* Reads the device of that name, or the file if `text` ends with ".json". BB_INVALID for an unknown
- * name, a missing member, or one that no device can have. */
+/* Reads the device of that name, or the file if `text` ends with ".json"; the name of such a device
+ * ends with a hash of its figures. BB_INVALID for an unknown name, and for a member that is missing
+ * or there twice, or that no device can have. */
 bb_status bb_description_read(const char *text, bb_description *description);
 
 /* Writes the names of devices/, with `separator` between them. */

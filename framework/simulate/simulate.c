@@ -192,6 +192,12 @@ void bb_simulated_code_release(bb_simulated_code *code)
     code->listed = NULL;
 }
 
+/* Steps name nodes and primitives by numbers of BB_STEP_INDEX_BITS. */
+static bool can_name(uint64_t bytes, uint32_t each)
+{
+    return each == 0 || bytes / each <= BB_STEP_INDEX_MASK;
+}
+
 bb_status bb_simulate_code(const bb_simt *simt, const bb_simulated_code *code,
                            const bb_steps *steps, bb_simulation *simulation)
 {
@@ -202,6 +208,10 @@ bb_status bb_simulate_code(const bb_simt *simt, const bb_simulated_code *code,
                        "work-groups of %u rays are not simulated: only those that divide %d, or "
                        "multiples of it up to %d",
                        group, BB_STEPS_RUN, GROUP_MOST);
+    if (!can_name(code->footing.nodes_bytes, code->footing.node_bytes) ||
+        !can_name(code->footing.prims_bytes, code->footing.prim_bytes))
+        return bb_fail(BB_UNSUPPORTED, "more than %u nodes or primitives: steps cannot name them",
+                       BB_STEP_INDEX_MASK);
     if (code->kernel != NULL)
         BB_TRY(bb_costs_find(code->program, code->kernel, simt->device.code, &costs));
     const uint32_t in_flight =

@@ -31,7 +31,7 @@ programs_in "$records" | xargs awk -v work="$work" '
         sub(/.*\//, "", name)
         program = work "/" name
         tracing = match($0, /BB_COUNTING=[01]/) ? substr($0, RSTART + RLENGTH - 1, 1) : "no"
-        print program, tracing, index($0, "-cl-std=CL1.2") ? 120 : 200 >(work "/list")
+        print program, tracing, index($0, "-cl-std=CL1.2") ? 120 : 200 >>(work "/list")
         for (i = 1; i <= NF; i++)
             if (sub(/^-D/, "", $i))
                 print "#define " (sub(/=/, " ", $i) ? $i : $i " 1") >program
@@ -66,5 +66,9 @@ for version in 120 200 300; do
         check ${target% *} "${target#* }" $version no $([ $version != 300 ] || echo 0)
     done
 done
+[ "$(wc -l <"$work/list")" = "$(programs_in "$records" | wc -l)" ] || {
+    echo "languages: not all programs were compiled"
+    status=1
+}
 echo "languages: $(wc -l <"$work/list") programs, clang $clang"
 exit $status
