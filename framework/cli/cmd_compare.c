@@ -319,17 +319,17 @@ const bb_command bb_command_compare = {
         "revision provide; if there is none, 10 % is assumed, and the output says so. If other "
         "programs\n"
         "kept the machine busy during either, a time that is less is undecided.\n"
-        "SAH and bytes of trees and layouts, nodes, tests per ray, simulated figures, wrong rays "
-        "and status\n"
-        "are compared exactly; simulations of fewer rays or more only differ. An option that OLD "
-        "or NEW did not have yet counts with the default that it has "
-        "here:\n"
-        "let the newer program compare.\n"
+        "SAH and bytes of trees and layouts, nodes, tests per ray, simulated figures, wrong rays\n"
+        "and status are compared exactly; simulations of other numbers of rays are only said to "
+        "differ.\n"
+        "An option that OLD or NEW did not have yet counts with the default that it has here: let "
+        "the\n"
+        "newer program compare.\n"
         "The least slowing that would have been found is printed over all and for the blindest "
         "cells.\n"
-        "Exit status 1: a time, SAH, tests, bytes, what is simulated or wrong rays are worse, a "
-        "cell fails now or is\n"
-        "missing, or its answers are not judged any more.",
+        "Exit status 1: a time, SAH, tests, bytes, wrong rays or what is simulated are worse, a "
+        "cell fails\n"
+        "now or is missing, or its answers are not judged any more.",
     .options = options,
     .bytes = sizeof(inputs),
     .run = run,

@@ -58,10 +58,11 @@ static bb_status read_text(const cJSON *document, const char *what, const char *
 static bb_status refuse_twins(const cJSON *document, const char *what)
 {
     const cJSON *item;
-    cJSON_ArrayForEach(
-        item, document) if (cJSON_GetObjectItemCaseSensitive(document, item->string) !=
-                            item) return bb_fail(BB_INVALID, "%s: member '%.40s' is there twice",
-                                                 what, item->string);
+    cJSON_ArrayForEach(item, document)
+    {
+        if (cJSON_GetObjectItemCaseSensitive(document, item->string) != item)
+            return bb_fail(BB_INVALID, "%s: member '%.40s' is there twice", what, item->string);
+    }
     return BB_OK;
 }
 
