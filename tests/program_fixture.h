@@ -92,6 +92,14 @@ static inline void refuses(const char *before, const char *arguments, const char
                  o->exit_status, o->err, words);
 }
 
+/* Writes what a script of sed makes of the file `from` into the file `to`. */
+static inline void edit_file(const char *from, const char *script, const char *to)
+{
+    char command[1024];
+    snprintf(command, sizeof command, "sed '%s' %s/%s >%s/%s", script, folder, from, folder, to);
+    assert_int_equal(system(command), 0);
+}
+
 /* Set-up and tear-down of a group. */
 static inline int make_folder(void **state)
 {

@@ -1,9 +1,9 @@
 /* The stack kernel: kernels/stack.cl. */
 #include "traversal/traversal.h"
 
-/* The persistent form is Aila and Laine's; on CPUs the driver distributes work as well, and in
- * simulations it is as the other. On CPUs, kernels that use the lanes of vectors are compared: by
- * one ray at a time, none is near them. */
+/* The persistent form is Aila and Laine's; on CPUs the driver distributes work as well, and
+ * simulations do not tell it from the other form. On CPUs, kernels that use the lanes of vectors
+ * are compared: by one ray at a time, none is near them. */
 static const bb_variants variants[] = {
     {BB_FOR_GPU, BB_ROLE_COMPARED, "stack,stack:persistent=yes"},
     {BB_FOR_ALL, BB_ROLE_SIMULATED, "stack"},

@@ -15,7 +15,7 @@ enum { BB_FOR_CPU = 1u << 0, BB_FOR_GPU = 1u << 1, BB_FOR_ALL = BB_FOR_CPU | BB_
 #define BB_ROLE_TRIED "tried"       /* `advise` tries the variants besides those. */
 
 /* Role of kernels. */
-#define BB_ROLE_SIMULATED "simulated" /* Traces by the variants are simulated. */
+#define BB_ROLE_SIMULATED "simulated" /* `run --metrics simt` compares the variants. */
 
 /* Roles of builders. */
 #define BB_ROLE_LEAST "least"             /* The variants take no more than the scene needs. */

@@ -151,7 +151,7 @@ static void choose_sizes(comparison *c, uint32_t device)
 }
 
 /* `none` of the rays: no workloads, and no kernels but those that were asked for, whose layouts are
- * made. If traces are simulated, the default is the kernels that declare that. */
+ * made. If traces are simulated, the default is the kernels of that role. */
 static bb_status choose_traces(comparison *c)
 {
     bb_names *rays = &c->entrants.workloads, *kernels = &c->entrants.kernels;

@@ -86,8 +86,8 @@ static bb_status compare_one_sided(bb_comparison_result *result, const bb_measur
     return add_move(result, &move);
 }
 
-/* Returns false for simulations of more rays or fewer: which is better, their figures do not say.
- */
+/* Returns false for two simulations of different numbers of rays: their figures do not say which is
+ * better. */
 static bool is_same_sample(const bb_measured *before, const bb_measured *after)
 {
     const char *name = bb_fields[BB_F_SIMT_RAYS].name;

@@ -11,8 +11,8 @@
 /* Rays of a sample that follow each other, so that groups have their neighbours. */
 enum { BB_STEPS_RUN = 1 << 6 };
 
-/* Rays of a sample: `most`, or half as many, and so on, until their steps have room, but not fewer
- * than `least`: a multiple of BB_STEPS_RUN, and `most` that by a power of two. */
+/* A sample has `most` rays; if there is no room for their steps, half as many, and so on, down to
+ * `least`. `least` is a multiple of BB_STEPS_RUN, and `most` is `least` times a power of two. */
 typedef struct bb_sample_size {
     uint32_t least, most;
 } bb_sample_size;
@@ -20,9 +20,9 @@ typedef struct bb_sample_size {
 /* All rays of any set. */
 #define BB_SAMPLE_ALL ((bb_sample_size){UINT32_MAX, UINT32_MAX})
 
-/* Sets taken[i] to whether ray i is of the sample, and `rays` to how many are: all, if they are no
- * more than size.most. steps[i] are those of ray i; so many in all have `room`. BB_REFUSED if the
- * least sample has more. */
+/* Sets taken[i] to whether ray i is in the sample, and *rays to how many are: all, if they are no
+ * more than size.most. Ray i has steps[i] steps; there is room for `room` steps in all. BB_REFUSED
+ * if the least sample has more. */
 bb_status bb_sample_take(const uint32_t *steps, uint32_t count, bb_sample_size size, uint64_t room,
                          bool *taken, uint32_t *rays);
 

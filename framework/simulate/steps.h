@@ -22,9 +22,9 @@ enum { BB_STEPS_MOST = 1 << 28 }; /* words that are recorded at most: 1 GiB */
 typedef bb_status (*bb_recorded_launch)(void *self, const bb_recording *recording);
 
 /* Records the steps of items 0 to count - 1, or of a sample of them: bb_sample_take(). All are
- * launched twice: the first time their steps are counted; and more often if the device has no
- * buffer of all steps. BB_REFUSED if there are more than BB_STEPS_MOST steps to record, or no room
- * for them. */
+ * launched twice: the first launch counts their steps, the second writes them; it is divided if the
+ * device has no buffer for all steps. BB_REFUSED if there are more than BB_STEPS_MOST steps to
+ * record, or no room for them. */
 bb_status bb_steps_record(bb_device *device, bb_recorded_launch launch, void *self, uint32_t count,
                           bb_sample_size size, bb_steps *steps);
 void bb_steps_release(bb_steps *steps); /* a zeroed one is allowed */

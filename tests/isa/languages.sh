@@ -10,6 +10,7 @@ find_clang 15 19 || {
     echo "languages: skipped: neither clang 15 nor 19 with its libclc is installed"
     exit 77
 }
+headers=$("clang-$clang" -print-resource-dir)/include
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 status=0
@@ -46,7 +47,7 @@ check() {
     local target=$1 cpu=$2 version=$3 log
     local options=(-triple "$target" ${cpu:+-target-cpu "$cpu"} -cl-std="CL${version:0:1}.${version:1:1}"
         -D__OPENCL_VERSION__="$version" -finclude-default-header -fdeclare-opencl-builtins
-        -internal-isystem "$("clang-$clang" -print-resource-dir)/include")
+        -internal-isystem "$headers")
     [ "$version" = 120 ] || options+=(-cl-ext=+all)
     shift 3
     log=$(awk -v version="$version" -v kinds=" $* " \
