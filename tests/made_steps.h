@@ -36,6 +36,7 @@ static inline void add_ray(const char *steps)
         words[end++] = number << BB_STEP_INDEX_BITS | index;
     }
     ends[made.rays++] = end;
+    made.set_rays = made.rays;
 }
 
 static inline void add_rays(uint32_t count, const char *steps)

@@ -154,6 +154,7 @@ static void what_is_no_device_is_refused(void **state)
         {"\"memory_gb_s\":10", "\"memory_gb_s\":1e99", "'memory_gb_s' must be"},
         {"\"sm_90\"", "\"sm_20\"", "must be sm_90, gfx1030 or gfx90a"},
         {"\"name\":\"x\"", "\"name\":\"\"", "'name' must be a text"},
+        {"\"title\":\"X\"", "\"title\":\"\\u001b[2J\"", "without control characters"},
         {"{\"name\"", "[\"name\"", "is no JSON object"},
         {"\"memory_gb_s\":10}", "\"memory_gb_s\":10} and more", "is no JSON object"},
         {"\"name\":\"x\"", "\"name\":\"x,width=64\"", "'name' may have lower-case letters"},

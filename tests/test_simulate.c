@@ -37,6 +37,31 @@ static bb_simulation simulate(const bb_simt *simt)
     return simulate_kernel(simt, "stack");
 }
 
+/* Returns what 8 groups of a set read from the second cache, which they read one node of: each unit
+ * fetches that once. */
+static uint64_t fetched(uint32_t units, uint32_t set_rays)
+{
+    bb_simt simt = h100();
+    simt.device.units = units;
+    simt.device.groups = 1;
+    no_rays();
+    add_rays(8 * 32, "N7");
+    made.set_rays = set_rays;
+    return simulate(&simt).traffic.second;
+}
+
+/* Each unit has as many groups as by the whole set, where each that is used has four at least. */
+static void a_sample_has_its_share_of_the_units(void **state)
+{
+    (void)state;
+    const uint64_t one = fetched(1, 8 * 32), two = fetched(2, 8 * 32);
+    assert_true(one < two);
+    assert_true(fetched(4, 8 * 32) == two);  /* as many as are filled */
+    assert_true(fetched(4, 16 * 32) == two); /* half of four */
+    assert_true(fetched(4, 32 * 32) == one); /* a quarter of four */
+    assert_true(fetched(4, 64 * 32) == one); /* an eighth */
+}
+
 /* Nobody knows the instructions and registers of a ray: there is no bound by these, nor a least
  * one. */
 static void packets_are_bounded_by_traffic_alone(void **state)
@@ -265,6 +290,7 @@ int main(void)
         cmocka_unit_test(regions_have_costs_of_their_own),
         cmocka_unit_test(exact_tests_cost_the_same_in_all_searches),
         cmocka_unit_test(steps_are_those_of_the_group),
+        cmocka_unit_test(a_sample_has_its_share_of_the_units),
         cmocka_unit_test(what_is_not_known_has_no_bound),
         cmocka_unit_test(bounds_are_those_of_the_device),
         cmocka_unit_test(packets_are_bounded_by_traffic_alone),

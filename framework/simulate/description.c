@@ -2,6 +2,7 @@
 
 #include "framework/base/file.h"
 #include "framework/base/identity.h"
+#include "framework/base/steering.h"
 #include "framework/base/suggest.h"
 #include "framework/device/device_private.h"
 
@@ -48,9 +49,11 @@ static bb_status read_text(const cJSON *document, const char *what, const char *
 {
     const cJSON *item = cJSON_GetObjectItemCaseSensitive(document, name);
     if (!cJSON_IsString(item) || item->valuestring[0] == '\0' ||
-        strlen(item->valuestring) >= capacity)
-        return bb_fail(BB_INVALID, "%s: member '%s' must be a text of 1 to %zu bytes", what, name,
-                       capacity - 1);
+        strlen(item->valuestring) >= capacity || !bb_is_calm(item->valuestring))
+        return bb_fail(
+            BB_INVALID,
+            "%s: member '%s' must be a text of 1 to %zu bytes without control characters", what,
+            name, capacity - 1);
     snprintf(text, capacity, "%s", item->valuestring);
     return BB_OK;
 }

@@ -76,13 +76,22 @@ bb_binding bb_binding_of(const char *word)
     return (bb_binding)binding;
 }
 
-/* Units that a sample fills. They have the room that the layout takes in the second cache, since
- * all units share that, and of the rest of it their part. */
-static bb_machine machine_for(const bb_description *d, const bb_footing *footing, uint32_t width,
-                              uint32_t in_flight, uint32_t rays)
+/* Returns how many units are simulated: of those that the whole set fills as many as the sample has
+ * of its rays, so that each has as many groups as by the whole set. */
+static uint32_t units_for(const bb_description *d, uint32_t width, uint32_t in_flight,
+                          const bb_steps *steps)
 {
-    const uint32_t filled = bb_divide_up(rays, width) / (TURNS * in_flight);
-    const uint32_t units = bb_max_u32(bb_min_u32(filled, (uint32_t)d->units), 1);
+    const uint32_t filled = bb_divide_up(steps->set_rays, width) / (TURNS * in_flight);
+    const double used = fmin(fmax(filled, 1), d->units);
+    return (uint32_t)fmax(round(used * steps->rays / steps->set_rays), 1);
+}
+
+/* The units have the room that the layout takes in the second cache, since all of the device share
+ * that, and of the rest of it their part. */
+static bb_machine machine_for(const bb_description *d, const bb_footing *footing, uint32_t width,
+                              uint32_t in_flight, const bb_steps *steps)
+{
+    const uint32_t units = units_for(d, width, in_flight, steps);
     const double layout = (double)(footing->nodes_bytes + footing->prims_bytes);
     const double shared = fmin(layout, d->second_bytes);
     const double part = (d->second_bytes - shared) * units / d->units;
@@ -217,7 +226,7 @@ bb_status bb_simulate_code(const bb_simt *simt, const bb_simulated_code *code,
     const uint32_t in_flight =
         bb_description_in_flight(&simt->device, costs.registers, simt->width);
     const bb_machine machine =
-        machine_for(&simt->device, &code->footing, simt->width, in_flight, steps->rays);
+        machine_for(&simt->device, &code->footing, simt->width, in_flight, steps);
     *simulation = (bb_simulation){.in_flight = in_flight,
                                   .mrays_s = (double)NAN,
                                   .issue_mrays_s = (double)NAN,

@@ -15,8 +15,8 @@
 
 enum { BB_SIMT_MAX = 4 }; /* simulations at once */
 
-/* 8,192 groups of 32, or 4,096 of 64; at least a quarter of that. */
-#define BB_SIMT_SAMPLE ((bb_sample_size){.least = 1 << 16, .most = 1 << 18})
+/* 32,768 groups of 32, or 16,384 of 64; at least a sixteenth of that. */
+#define BB_SIMT_SAMPLE ((bb_sample_size){.least = 1 << 16, .most = 1 << 20})
 
 /* What `--metrics simt:device=h100,width=32` asks for. */
 typedef struct bb_simt {

@@ -91,7 +91,7 @@ bb_status bb_steps_record(bb_device *device, bb_recorded_launch launch, void *se
                           bb_sample_size size, bb_steps *steps)
 {
     recorder r = {.device = device, .launch = launch, .self = self, .count = count};
-    *steps = (bb_steps){.rays = 0};
+    *steps = (bb_steps){.set_rays = count};
     bb_status status = record(&r, size, steps);
     bb_host_free(r.all);
     bb_host_free(r.ends);

@@ -8,10 +8,10 @@
 #include "kernels/steps_shared.h"
 #include "traversal/traversal.h"
 
-/* Steps of rays 0 to rays - 1: those of ray i are words[ends[i - 1]] to words[ends[i] - 1]; the
- * first begins at 0. */
+/* Steps of rays 0 to rays - 1, all or a sample of those of a set: those of ray i are
+ * words[ends[i - 1]] to words[ends[i] - 1]; the first begins at 0. */
 typedef struct bb_steps {
-    uint32_t rays;
+    uint32_t rays, set_rays;
     uint32_t *ends;
     uint32_t *words;
 } bb_steps;
