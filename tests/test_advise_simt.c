@@ -48,8 +48,9 @@ static void bounds_are_those_of_run(void **state)
     cJSON_Delete(json);
 }
 
-/* Members in any order: a table orders them by the row that first has them, and clocks decide about
- * rows that are measured. Not bytes of builds: builders take more scratch for more threads. */
+/* The order of members does not matter: it follows from the first row with each, and clocks decide
+ * what measured rows have. Bytes of builds may differ: builders take more scratch for more threads.
+ */
 static void has_the_same_members(const cJSON *row, const cJSON *other)
 {
     const cJSON *member;

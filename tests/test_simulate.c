@@ -37,8 +37,8 @@ static bb_simulation simulate(const bb_simt *simt)
     return simulate_kernel(simt, "stack");
 }
 
-/* Returns what 8 groups of a set read from the second cache, which they read one node of: each unit
- * fetches that once. */
+/* Returns the reads of the second cache by 8 groups of a set. All rays read the same node, which
+ * each unit fetches once. */
 static uint64_t fetched(uint32_t units, uint32_t set_rays)
 {
     bb_simt simt = h100();
@@ -50,7 +50,7 @@ static uint64_t fetched(uint32_t units, uint32_t set_rays)
     return simulate(&simt).traffic.second;
 }
 
-/* Each unit has as many groups as by the whole set, where each that is used has four at least. */
+/* A set fills as many units as get four groups each. */
 static void a_sample_has_its_share_of_the_units(void **state)
 {
     (void)state;

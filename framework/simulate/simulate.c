@@ -76,8 +76,8 @@ bb_binding bb_binding_of(const char *word)
     return (bb_binding)binding;
 }
 
-/* Returns how many units are simulated: of those that the whole set fills as many as the sample has
- * of its rays, so that each has as many groups as by the whole set. */
+/* Returns how many units are simulated. A sample runs on its share of the units that its set fills,
+ * so that each unit gets as many groups as from the whole set. */
 static uint32_t units_for(const bb_description *d, uint32_t width, uint32_t in_flight,
                           const bb_steps *steps)
 {
@@ -86,8 +86,8 @@ static uint32_t units_for(const bb_description *d, uint32_t width, uint32_t in_f
     return (uint32_t)fmax(round(used * steps->rays / steps->set_rays), 1);
 }
 
-/* The units have the room that the layout takes in the second cache, since all of the device share
- * that, and of the rest of it their part. */
+/* All units of a device share the layout in its second cache, so simulated ones have the room for
+ * all of it; of the rest they have their part. */
 static bb_machine machine_for(const bb_description *d, const bb_footing *footing, uint32_t width,
                               uint32_t in_flight, const bb_steps *steps)
 {
